@@ -1,0 +1,1 @@
+//! Video, record, masks, crops.

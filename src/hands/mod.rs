@@ -1,0 +1,5 @@
+//! 21-joint tracks of both hands.
+
+mod track;
+
+pub use track::{HandFrame, HandState, HandTrack, KEYPOINT_COUNT, keypoint};

@@ -1,0 +1,1 @@
+//! M_inpaint = M_hand ∩ ¬M_obj and the temporal background plate.

@@ -1,0 +1,35 @@
+//! AgenticFocus turns first-person video of human hands into robot demonstrations.
+//!
+//! Stages are pure functions in one direction:
+//! `clip → select → segment → template → inpaint → hands → retarget → render → composite → export`.
+//! Without the feature `engine` only the session document and the plain types remain; those
+//! also build for `wasm32-unknown-unknown`. See `ARCHITECTURE.md`.
+
+pub mod clip;
+pub mod geometry;
+pub mod hands;
+pub mod image;
+pub mod retarget;
+pub mod robot;
+pub mod segment;
+pub mod session;
+pub mod template;
+
+#[cfg(feature = "engine")]
+pub mod cli;
+#[cfg(feature = "engine")]
+pub mod composite;
+#[cfg(feature = "engine")]
+pub mod evaluate;
+#[cfg(feature = "engine")]
+pub mod export;
+#[cfg(feature = "engine")]
+pub mod inpaint;
+#[cfg(feature = "engine")]
+pub mod pipeline;
+#[cfg(feature = "engine")]
+pub mod render;
+#[cfg(feature = "engine")]
+pub mod select;
+#[cfg(feature = "engine")]
+pub mod synth;

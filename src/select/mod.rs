@@ -1,0 +1,1 @@
+//! Which object: contact motion, operator, later a VLM.

@@ -1,0 +1,1 @@
+//! The session document: commands, journal, undo, review state.

@@ -1,0 +1,1 @@
+//! Synthetic episodes with ground truth.
