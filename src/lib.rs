@@ -9,6 +9,8 @@ pub mod clip;
 pub mod geometry;
 pub mod hands;
 pub mod image;
+pub mod landmarks;
+pub mod progress;
 pub mod retarget;
 pub mod robot;
 pub mod segment;

@@ -2,4 +2,4 @@
 
 mod track;
 
-pub use track::{HandFrame, HandState, HandTrack, KEYPOINT_COUNT, keypoint};
+pub use track::{HandFrame, HandState, HandTrack};

@@ -5,23 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     clip::FrameIndex,
     geometry::{Camera, PerSide, Pixel, Position},
+    landmarks::{KEYPOINT_COUNT, keypoint},
 };
-
-/// Keypoints a hand, in the OpenPose order: 0 wrist; 1–4 thumb CMC, MCP, IP, tip;
-/// 5–8 index MCP, PIP, DIP, tip; 9–12 middle; 13–16 ring; 17–20 pinky.
-pub const KEYPOINT_COUNT: usize = 21;
-
-/// Indices into the 21 keypoints.
-pub mod keypoint {
-    /// Wrist.
-    pub const WRIST: usize = 0;
-    /// Bases of the five fingers: thumb CMC, then the MCPs.
-    pub const BASES: [usize; 5] = [1, 5, 9, 13, 17];
-    /// Tips, thumb to pinky.
-    pub const TIPS: [usize; 5] = [4, 8, 12, 16, 20];
-    /// The parent of every keypoint; the wrist is its own.
-    pub const PARENT: [usize; 21] = [0, 0, 1, 2, 3, 0, 5, 6, 7, 0, 9, 10, 11, 0, 13, 14, 15, 0, 17, 18, 19];
-}
 
 /// Where a hand on a frame comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
