@@ -1,7 +1,11 @@
 //! Object and arm mask tracks.
 
+#[cfg(feature = "engine")]
+mod error;
 mod rle;
 mod track;
 
+#[cfg(feature = "engine")]
+pub use error::SegmentError;
 pub use rle::{RleError, RleMask};
 pub use track::{MaskAuthor, MaskFlag, MaskFrame, MaskTrack};
