@@ -35,3 +35,5 @@ pub mod render;
 pub mod select;
 #[cfg(feature = "engine")]
 pub mod synth;
+#[cfg(feature = "engine")]
+pub mod vision;

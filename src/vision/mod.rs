@@ -1,0 +1,17 @@
+//! Classical vision tools that several stages share; they know no stage.
+//!
+//! Pictures are OpenCV matrices in RGB order (see [`crate::image::mat`]). OpenCV's own thread
+//! pool is switched off by [`single_threaded`]: stages are parallel over frames instead, so that
+//! results never depend on the number of threads.
+
+mod flow;
+mod guided;
+mod histogram;
+mod homography;
+mod scale;
+
+pub use flow::{Flow, FlowQuality, dense_flow};
+pub use guided::refine_edges;
+pub use histogram::LabHistogram;
+pub use homography::{BackgroundMotion, background_motion};
+pub use scale::{WorkScale, single_threaded};
