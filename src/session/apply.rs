@@ -1,0 +1,174 @@
+//! How a command changes a document, and the command that takes it back.
+
+use std::mem::replace;
+
+use nalgebra::Matrix3;
+
+use super::{Beta, CameraRotation, CameraSetting, Command, Document, MaskEdit, MaskLayer, RetargetSettings};
+use crate::{clip::FrameIndex, landmarks::KEYPOINT_COUNT};
+
+/// Why a command was refused. The document is as before.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum ApplyError {
+    /// A value outside its range.
+    #[error("{name} = {value}: expected {expected}")]
+    Value {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: String,
+        /// What is allowed.
+        expected: &'static str,
+    },
+}
+
+fn refuse(name: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> ApplyError {
+    ApplyError::Value { name, value: format!("{value:?}"), expected }
+}
+
+impl Document {
+    /// Applies `command` and returns its inverse.
+    ///
+    /// # Errors
+    /// When a value is out of range; nothing has changed then.
+    pub fn apply(&mut self, command: Command) -> Result<Command, ApplyError> {
+        Ok(match command {
+            Command::SetTask(task) => Command::SetTask(replace(&mut self.task, task)),
+            Command::SetContentHash(hash) => {
+                Command::SetContentHash(replace(&mut self.clip.content_hash, hash))
+            }
+            Command::SetCamera(camera) => {
+                check_camera(&camera)?;
+                Command::SetCamera(replace(&mut self.camera, camera))
+            }
+            Command::SetProposals(list) => Command::SetProposals(replace(&mut self.proposals, list)),
+            Command::SetObject(choice) => Command::SetObject(replace(&mut self.object, choice)),
+            Command::SetMask { layer, frame, edit } => self.set_mask(layer, frame, edit),
+            Command::SetTemplateFrame(frame) => {
+                Command::SetTemplateFrame(replace(&mut self.template.frame, frame))
+            }
+            Command::SetTemplateMask(mask) => {
+                Command::SetTemplateMask(replace(&mut self.template.mask, mask))
+            }
+            Command::SetPlacement { frame, transform } => self.set_placement(frame, transform)?,
+            Command::SetHandTrack(path) => Command::SetHandTrack(replace(&mut self.hand_track, path)),
+            Command::SetHandEdit { frame, side, edit } => {
+                if let Some(index) = edit.iter().flat_map(|e| e.keypoints.keys()).find(|i| **i >= 21) {
+                    return Err(refuse("keypoint", index, "an index from 0 to 20"));
+                }
+                debug_assert_eq!(KEYPOINT_COUNT, 21);
+                let edit = put(&mut self.hand_edits[side], frame, edit);
+                Command::SetHandEdit { frame, side, edit }
+            }
+            Command::SetSidesSwapped(ranges) => {
+                Command::SetSidesSwapped(replace(&mut self.sides_swapped, ranges))
+            }
+            Command::SetRetarget(settings) => {
+                check_retarget(&settings)?;
+                Command::SetRetarget(replace(&mut self.retarget, settings))
+            }
+            Command::SetLayerOrders(orders) => {
+                Command::SetLayerOrders(replace(&mut self.layer_orders, orders))
+            }
+            Command::SetReview(review) => Command::SetReview(replace(&mut self.review, review)),
+            Command::Together(commands) => self.apply_together(commands)?,
+        })
+    }
+
+    fn apply_together(&mut self, commands: Vec<Command>) -> Result<Command, ApplyError> {
+        let mut inverses = Vec::with_capacity(commands.len());
+        for command in commands {
+            match self.apply(command) {
+                Ok(inverse) => inverses.push(inverse),
+                Err(error) => {
+                    // All or nothing: inverses restore values that were accepted before.
+                    for inverse in inverses.into_iter().rev() {
+                        self.apply(inverse)?;
+                    }
+                    return Err(error);
+                }
+            }
+        }
+        inverses.reverse();
+        Ok(Command::Together(inverses))
+    }
+
+    fn set_mask(&mut self, layer: MaskLayer, frame: FrameIndex, edit: Option<MaskEdit>) -> Command {
+        let edit = put(self.masks_mut(layer), frame, edit);
+        Command::SetMask { layer, frame, edit }
+    }
+
+    fn set_placement(
+        &mut self,
+        frame: FrameIndex,
+        transform: Option<Matrix3<f64>>,
+    ) -> Result<Command, ApplyError> {
+        if let Some(matrix) = transform
+            && !(matrix.iter().all(|v| v.is_finite()) && matrix.determinant().abs() > 1e-12)
+        {
+            return Err(refuse("placement", matrix, "a finite, invertible 3×3 matrix"));
+        }
+        let transform = put(&mut self.template.placements, frame, transform);
+        Ok(Command::SetPlacement { frame, transform })
+    }
+}
+
+/// Sets or removes `key` and returns what was there.
+fn put<K: Ord, V>(map: &mut std::collections::BTreeMap<K, V>, key: K, value: Option<V>) -> Option<V> {
+    match value {
+        Some(value) => map.insert(key, value),
+        None => map.remove(&key),
+    }
+}
+
+fn check_camera(camera: &CameraSetting) -> Result<(), ApplyError> {
+    match *camera {
+        CameraSetting::Unknown => Ok(()),
+        CameraSetting::HorizontalFov(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(()),
+        CameraSetting::HorizontalFov(degrees) => {
+            Err(refuse("hfov_deg", degrees, "an angle above 0 and below 180"))
+        }
+        CameraSetting::Intrinsics { fx, fy, cx, cy } => {
+            let fine = fx > 0.0 && fy > 0.0 && [fx, fy, cx, cy].iter().all(|value| value.is_finite());
+            if fine { Ok(()) } else { Err(refuse("camera", camera, "finite numbers with fx, fy above 0")) }
+        }
+    }
+}
+
+fn check_retarget(settings: &RetargetSettings) -> Result<(), ApplyError> {
+    if let Some(Beta::Value(beta)) = settings.beta
+        && !(beta.is_finite() && (0.05..=5.0).contains(&beta))
+    {
+        return Err(refuse("beta", beta, "a number from 0.05 to 5, or \"fit\""));
+    }
+    if let Some(alpha) = settings.alpha
+        && !(alpha > 0.0 && alpha <= 1.0)
+    {
+        return Err(refuse("alpha", alpha, "a number above 0 and at most 1"));
+    }
+    if let Some(offset) = settings.offset
+        && !offset.iter().all(|value| value.is_finite() && value.abs() <= 10.0)
+    {
+        return Err(refuse("T_offset", offset, "three finite metres within ±10"));
+    }
+    if let Some(length) = settings.hand_length
+        && !(0.1..=0.3).contains(&length)
+    {
+        return Err(refuse("hand_length", length, "metres from 0.1 to 0.3"));
+    }
+    match settings.camera_rotation {
+        None => Ok(()),
+        Some(CameraRotation::Angles { pitch_deg, yaw_deg, roll_deg }) => {
+            let fine = [pitch_deg, yaw_deg, roll_deg].iter().all(|v| v.is_finite());
+            if fine { Ok(()) } else { Err(refuse("R_cam", settings.camera_rotation, "finite degrees")) }
+        }
+        Some(CameraRotation::Matrix(matrix)) => {
+            let error = (matrix * matrix.transpose() - Matrix3::identity()).norm();
+            if error < 1e-3 && matrix.determinant() > 0.0 {
+                Ok(())
+            } else {
+                Err(refuse("R_cam", matrix, "a rotation matrix (orthonormal, determinant 1)"))
+            }
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Everything that can be done to a session.
+
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    CameraSetting, HandEdit, LayerOrderRange, MaskEdit, MaskId, MaskLayer, ObjectChoice, ObjectProposal,
+    RetargetSettings, ReviewState, SidesSwapped,
+};
+use crate::{clip::FrameIndex, geometry::Side};
+
+/// Who did something.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Author {
+    /// A person.
+    Human,
+    /// A manifest, written by a person beforehand.
+    Manifest,
+    /// A back end, by name.
+    Machine(String),
+}
+
+/// A change of the document. Every command sets something to a value, so that its inverse is a
+/// command of the same kind with the value from before.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Command {
+    /// The task sentence.
+    SetTask(Option<String>),
+    /// blake3 of the clip's bytes, once known.
+    SetContentHash(String),
+    /// The source camera.
+    SetCamera(CameraSetting),
+    /// The ranked proposals.
+    SetProposals(Vec<ObjectProposal>),
+    /// The chosen object.
+    SetObject(Option<ObjectChoice>),
+    /// What a person says about a mask; `None` leaves the frame to the machine again.
+    SetMask {
+        /// Which mask.
+        layer: MaskLayer,
+        /// On which frame.
+        frame: FrameIndex,
+        /// What.
+        edit: Option<MaskEdit>,
+    },
+    /// The clean frame; `None` lets the machine choose.
+    SetTemplateFrame(Option<FrameIndex>),
+    /// The template's mask on its frame.
+    SetTemplateMask(Option<MaskId>),
+    /// A placement by hand.
+    SetPlacement {
+        /// On which frame.
+        frame: FrameIndex,
+        /// Template pixels to frame pixels; `None` leaves it to the machine again.
+        transform: Option<Matrix3<f64>>,
+    },
+    /// A hand track to import, absolute path.
+    SetHandTrack(Option<String>),
+    /// A correction of a hand.
+    SetHandEdit {
+        /// On which frame.
+        frame: FrameIndex,
+        /// Which hand.
+        side: Side,
+        /// What; `None` leaves it to the machine again.
+        edit: Option<HandEdit>,
+    },
+    /// All ranges with left and right exchanged.
+    SetSidesSwapped(Vec<SidesSwapped>),
+    /// Retargeting.
+    SetRetarget(RetargetSettings),
+    /// All layer orders.
+    SetLayerOrders(Vec<LayerOrderRange>),
+    /// Review.
+    SetReview(ReviewState),
+    /// Several at once: one step for undo.
+    Together(Vec<Command>),
+}

@@ -1,0 +1,236 @@
+//! A session on disk: `NAME.afs/` with snapshot, journal, masks and cache.
+
+use std::{
+    fs::{self, File, OpenOptions},
+    io::{self, Write as _},
+    path::{Path, PathBuf},
+    time::{SystemTime, UNIX_EPOCH},
+};
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Author, Command, Document, Entry, FORMAT_VERSION, History, JournalLine, MaskStore, SessionError,
+    SessionLock, durable::sync_folder, parse_journal, write_durably,
+};
+
+/// An open session.
+#[derive(Debug)]
+pub struct Session {
+    folder: PathBuf,
+    history: History,
+    next_seq: u64,
+    last_crc: u32,
+    writer: Option<Writer>,
+}
+
+/// Present where the session is open for writing.
+#[derive(Debug)]
+struct Writer {
+    journal: File,
+    /// Bytes of whole lines: where the next one starts.
+    length: u64,
+    _lock: SessionLock,
+}
+
+/// What loading had to mend.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoadReport {
+    /// Bytes of a torn last line that were dropped; its command was never acknowledged.
+    pub torn_bytes: usize,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Snapshot {
+    version: u32,
+    /// Journal lines the snapshot contains.
+    seq: u64,
+    document: Document,
+}
+
+impl Session {
+    /// Creates `folder` with `document` as its first journal line.
+    ///
+    /// # Errors
+    /// When the folder holds a session already or cannot be written.
+    pub fn create(folder: &Path, document: Document) -> Result<Self, SessionError> {
+        let journal_path = folder.join("journal.jsonl");
+        if journal_path.exists() {
+            let reason = "it holds a session already: open it instead".to_owned();
+            return Err(SessionError::NotASession { path: folder.to_owned(), reason });
+        }
+        fs::create_dir_all(folder).map_err(io_error("create", folder))?;
+        let lock = SessionLock::take(folder)?;
+        let journal = open_journal(&journal_path)?;
+        let mut session = Self {
+            folder: folder.to_owned(),
+            history: History::default(),
+            next_seq: 0,
+            last_crc: 0,
+            writer: Some(Writer { journal, length: 0, _lock: lock }),
+        };
+        session.append(Author::Manifest, Entry::Create(Box::new(document)))?;
+        session.save_snapshot()?;
+        sync_folder(folder).map_err(io_error("sync", folder))?;
+        Ok(session)
+    }
+
+    /// Opens `folder` for writing. A torn last journal line is cut off and reported.
+    ///
+    /// # Errors
+    /// When another process writes to it, it is damaged, or a newer program wrote it (nothing is touched then).
+    pub fn open(folder: &Path) -> Result<(Self, LoadReport), SessionError> {
+        let (mut session, report, length) = Self::read(folder)?;
+        let lock = SessionLock::take(folder)?;
+        let journal = open_journal(&folder.join("journal.jsonl"))?;
+        journal.set_len(length).map_err(io_error("cut the torn line off", folder))?;
+        session.writer = Some(Writer { journal, length, _lock: lock });
+        Ok((session, report))
+    }
+
+    /// Opens `folder` for reading only, whoever writes to it.
+    ///
+    /// # Errors
+    /// When it is damaged or a newer program wrote it.
+    pub fn open_read_only(folder: &Path) -> Result<(Self, LoadReport), SessionError> {
+        let (session, report, _) = Self::read(folder)?;
+        Ok((session, report))
+    }
+
+    fn read(folder: &Path) -> Result<(Self, LoadReport, u64), SessionError> {
+        let seen = read_snapshot(folder)?;
+        let path = folder.join("journal.jsonl");
+        let bytes = fs::read(&path).map_err(|source| match source.kind() {
+            io::ErrorKind::NotFound => SessionError::NotASession {
+                path: folder.to_owned(),
+                reason: "journal.jsonl is missing".to_owned(),
+            },
+            _ => SessionError::Io { action: "read", path, source },
+        })?;
+        let parsed = parse_journal(&bytes)?;
+        let found = parsed.lines.len() as u64;
+        if let Some(expected) = seen.filter(|expected| *expected > found) {
+            return Err(SessionError::JournalShort { expected, found });
+        }
+        let mut history = History::default();
+        for line in parsed.lines {
+            history.apply(line.entry)?;
+        }
+        let session = Self {
+            folder: folder.to_owned(),
+            history,
+            next_seq: found,
+            last_crc: parsed.last_crc,
+            writer: None,
+        };
+        Ok((session, LoadReport { torn_bytes: parsed.torn }, parsed.length as u64))
+    }
+
+    /// The session's folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The document now.
+    pub fn document(&self) -> &Document {
+        self.history.document()
+    }
+
+    /// Undo and redo depth.
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// The session's masks.
+    pub fn masks(&self) -> MaskStore {
+        MaskStore::new(&self.folder.join("masks"))
+    }
+
+    /// Applies `command`; returns once its journal line is on disk.
+    ///
+    /// # Errors
+    /// When the command is refused or cannot be written: the document is as before.
+    pub fn apply(&mut self, author: Author, command: Command) -> Result<(), SessionError> {
+        self.append(author, Entry::Do(command)).map(|_| ())
+    }
+
+    /// Takes the last step back; `false` when there is none.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn undo(&mut self, author: Author) -> Result<bool, SessionError> {
+        self.append(author, Entry::Undo)
+    }
+
+    /// Does the last undone step again; `false` when there is none.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn redo(&mut self, author: Author) -> Result<bool, SessionError> {
+        self.append(author, Entry::Redo)
+    }
+
+    fn append(&mut self, author: Author, entry: Entry) -> Result<bool, SessionError> {
+        let writer = self.writer.as_mut().ok_or(SessionError::ReadOnly)?;
+        // Try it on a copy first: a refused command must leave neither a line nor a change.
+        let mut history = self.history.clone();
+        if !history.apply(entry.clone())? {
+            return Ok(false);
+        }
+        let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_millis() as u64);
+        let (text, crc) = JournalLine { seq: self.next_seq, time, author, entry }.seal(self.last_crc)?;
+        let path = self.folder.join("journal.jsonl");
+        let written = writer.journal.write_all(text.as_bytes()).and_then(|()| writer.journal.sync_data());
+        if let Err(source) = written {
+            // Cut a half-written line off so that a later attempt starts on a clean end.
+            writer.journal.set_len(writer.length).ok();
+            return Err(SessionError::Io { action: "append to", path, source });
+        }
+        writer.length += text.len() as u64;
+        self.history = history;
+        self.next_seq += 1;
+        self.last_crc = crc;
+        Ok(true)
+    }
+
+    /// Writes `session.json`, the readable snapshot. The journal stays the truth.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn save_snapshot(&self) -> Result<(), SessionError> {
+        let document = self.document().clone();
+        let snapshot = Snapshot { version: FORMAT_VERSION, seq: self.next_seq, document };
+        let mut text = serde_json::to_string_pretty(&snapshot).map_err(SessionError::Encode)?;
+        text.push('\n');
+        let path = self.folder.join("session.json");
+        write_durably(&path, text.as_bytes()).map_err(io_error("write", &path))
+    }
+}
+
+fn io_error<'a>(action: &'static str, path: &'a Path) -> impl Fn(io::Error) -> SessionError + use<'a> {
+    move |source| SessionError::Io { action, path: path.to_owned(), source }
+}
+
+fn open_journal(path: &Path) -> Result<File, SessionError> {
+    OpenOptions::new().append(true).create(true).open(path).map_err(io_error("open", path))
+}
+
+/// Journal lines the snapshot has seen; `None` without a snapshot. Refuses newer versions.
+fn read_snapshot(folder: &Path) -> Result<Option<u64>, SessionError> {
+    let path = folder.join("session.json");
+    let text = match fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(source) => return Err(SessionError::Io { action: "read", path, source }),
+    };
+    let not_one = |reason: String| SessionError::NotASession { path: folder.to_owned(), reason };
+    let value: serde_json::Value =
+        serde_json::from_str(&text).map_err(|error| not_one(format!("session.json: {error}")))?;
+    let found = value.get("version").and_then(serde_json::Value::as_u64);
+    let found = found.ok_or_else(|| not_one("session.json has no version".to_owned()))?;
+    if found > u64::from(FORMAT_VERSION) {
+        let path = folder.to_owned();
+        return Err(SessionError::NewerVersion { path, found, supported: FORMAT_VERSION });
+    }
+    Ok(value.get("seq").and_then(serde_json::Value::as_u64))
+}

@@ -1,0 +1,87 @@
+//! Content-addressed masks: a mask's name is the hash of its bytes, so equal masks are stored once.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{SessionError, write_durably};
+use crate::segment::RleMask;
+
+/// The blake3 hash of a mask's stored bytes, 64 hexadecimal digits.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct MaskId(String);
+
+impl TryFrom<String> for MaskId {
+    type Error = String;
+    fn try_from(text: String) -> Result<Self, String> {
+        // Anything else could name a file outside the store.
+        if text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b)) {
+            Ok(Self(text))
+        } else {
+            Err(format!("{text:?} is not a mask id: expected 64 lower-case hexadecimal digits"))
+        }
+    }
+}
+
+impl From<MaskId> for String {
+    fn from(id: MaskId) -> Self {
+        id.0
+    }
+}
+
+impl std::fmt::Display for MaskId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// The folder `masks/` of a session.
+#[derive(Clone, Debug)]
+pub struct MaskStore {
+    folder: PathBuf,
+}
+
+impl MaskStore {
+    /// The store in `folder`, which need not exist yet.
+    pub fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned() }
+    }
+
+    /// Stores `mask` durably and returns its name.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn put(&self, mask: &RleMask) -> Result<MaskId, SessionError> {
+        let bytes = serde_json::to_vec(mask).map_err(SessionError::Encode)?;
+        let id = MaskId(blake3::hash(&bytes).to_hex().to_string());
+        let path = self.path(&id);
+        let io = |action| move |source| SessionError::Io { action, path: self.path(&id), source };
+        if !path.exists() {
+            std::fs::create_dir_all(&self.folder).map_err(|source| SessionError::Io {
+                action: "create",
+                path: self.folder.clone(),
+                source,
+            })?;
+            write_durably(&path, &bytes).map_err(io("write"))?;
+        }
+        Ok(MaskId(blake3::hash(&bytes).to_hex().to_string()))
+    }
+
+    /// Reads a mask and checks it against its name.
+    ///
+    /// # Errors
+    /// When it is missing, damaged or not a mask.
+    pub fn get(&self, id: &MaskId) -> Result<RleMask, SessionError> {
+        let fault = |reason: String| SessionError::Mask { id: id.clone(), reason };
+        let bytes = std::fs::read(self.path(id)).map_err(|error| fault(error.to_string()))?;
+        if blake3::hash(&bytes).to_hex().as_str() != id.0 {
+            return Err(fault("its bytes do not match its name".to_owned()));
+        }
+        serde_json::from_slice(&bytes).map_err(|error| fault(error.to_string()))
+    }
+
+    fn path(&self, id: &MaskId) -> PathBuf {
+        self.folder.join(format!("{id}.rle"))
+    }
+}
