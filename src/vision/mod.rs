@@ -4,7 +4,9 @@
 //! pool is switched off by [`single_threaded`]: stages are parallel over frames instead, so that
 //! results never depend on the number of threads.
 
+pub mod binary;
 mod flow;
+pub mod grab_cut;
 mod guided;
 mod histogram;
 mod homography;
