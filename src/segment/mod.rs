@@ -1,6 +1,8 @@
 //! Object and arm mask tracks.
 
 #[cfg(feature = "engine")]
+pub mod arms;
+#[cfg(feature = "engine")]
 mod error;
 mod rle;
 mod track;

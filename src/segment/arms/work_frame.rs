@@ -1,0 +1,64 @@
+//! One frame at work scale, in the colour spaces that the arm masks need.
+
+use opencv::{
+    core::{Mat, MatTraitConstManual},
+    imgproc,
+};
+
+use crate::{
+    clip::{FrameIndex, FrameSource},
+    image::Rgb8,
+    segment::SegmentError,
+    vision::{LabHistogram, WorkScale, binary},
+};
+
+/// A frame at work scale.
+#[derive(Debug)]
+pub(super) struct WorkFrame {
+    /// Lab, CV_8UC3, lightly blurred.
+    pub lab: Mat,
+    /// Luminance, CV_8UC1.
+    pub grey: Mat,
+}
+
+impl WorkFrame {
+    /// Reads and shrinks frame `index`; also hands back the full-size picture.
+    pub fn read(
+        frames: &dyn FrameSource,
+        index: FrameIndex,
+        scale: &WorkScale,
+    ) -> Result<(Self, Rgb8), SegmentError> {
+        let picture = frames.frame(index)?;
+        let small = scale.shrink(&picture.to_mat()?)?;
+        let mut soft = Mat::default();
+        let kernel = opencv::core::Size::new(3, 3);
+        imgproc::gaussian_blur(&small, &mut soft, kernel, 0.8, 0.8, opencv::core::BORDER_REPLICATE)?;
+        let (mut lab, mut grey) = (Mat::default(), Mat::default());
+        imgproc::cvt_color(&soft, &mut lab, imgproc::COLOR_RGB2Lab, 0)?;
+        imgproc::cvt_color(&small, &mut grey, imgproc::COLOR_RGB2GRAY, 0)?;
+        Ok((Self { lab, grey }, picture))
+    }
+
+    /// Lab pixels in row order.
+    pub fn pixels(&self) -> opencv::Result<&[[u8; 3]]> {
+        Ok(self.lab.data_bytes()?.as_chunks::<3>().0)
+    }
+
+    /// P(arm | colour), 0 to 255, averaged over 3×3 pixels.
+    pub fn posterior(&self, table: &[u8]) -> opencv::Result<Mat> {
+        use opencv::core::{MatTraitConst, MatTraitManual};
+        let mut raw = binary::empty(self.lab.rows(), self.lab.cols())?;
+        for (value, lab) in raw.data_bytes_mut()?.iter_mut().zip(self.pixels()?) {
+            *value = LabHistogram::look_up(table, *lab);
+        }
+        let mut smooth = Mat::default();
+        imgproc::blur(
+            &raw,
+            &mut smooth,
+            opencv::core::Size::new(3, 3),
+            opencv::core::Point::new(-1, -1),
+            opencv::core::BORDER_REPLICATE,
+        )?;
+        Ok(smooth)
+    }
+}
