@@ -1,3 +1,5 @@
 //! The headless binary `agenticfocus`.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    agenticfocus::cli::run()
+}

@@ -1,1 +1,66 @@
-//! Argument parsing and printing only.
+//! The command line: argument parsing and printing only.
+
+mod args;
+mod batch;
+mod doctor;
+mod progress;
+mod status;
+
+use std::process::ExitCode as ProcessExit;
+
+use clap::Parser as _;
+
+use crate::pipeline::ExitCode;
+use args::{Arguments, Verb};
+
+/// What a subcommand comes back with: an exit code, or a line for standard error and its code.
+type Outcome = Result<ExitCode, Failure>;
+
+/// A line for the user and the code that goes with it.
+#[derive(Debug)]
+struct Failure {
+    exit: ExitCode,
+    message: String,
+}
+
+impl Failure {
+    fn new(exit: ExitCode, message: impl std::fmt::Display) -> Self {
+        Self { exit, message: message.to_string() }
+    }
+}
+
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        Self::new(ExitCode::from(&error), error)
+    }
+}
+
+/// Parses the process's arguments, does what they say, and returns the exit status.
+pub fn run() -> ProcessExit {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let status = if error.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
+            // A closed pipe (`--help | head`) is no reason to fail.
+            error.print().ok();
+            return ProcessExit::from(status.status());
+        }
+    };
+    let exit = match dispatch(arguments) {
+        Ok(exit) => exit,
+        Err(failure) => {
+            eprintln!("agenticfocus: {}", failure.message);
+            failure.exit
+        }
+    };
+    ProcessExit::from(exit.status())
+}
+
+fn dispatch(arguments: Arguments) -> Outcome {
+    let Arguments { batch, verb } = arguments;
+    match verb {
+        Some(Verb::Doctor { json }) => doctor::run(json),
+        Some(Verb::Status { out, json }) => status::run(&out, json),
+        None => batch::run(&batch),
+    }
+}

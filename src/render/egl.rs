@@ -114,6 +114,14 @@ impl EglContext {
     }
 }
 
+/// OpenGL's name of the device that `choice` leads to.
+///
+/// # Errors
+/// When no context can be opened.
+pub fn describe_device(choice: DeviceChoice) -> Result<String, RenderError> {
+    Ok(EglContext::new(choice)?.renderer_name())
+}
+
 fn is_software(device: &Device) -> bool {
     device.extensions().contains("EGL_MESA_device_software")
         || (device.drm_device_node_path().is_none() && device.drm_render_device_node_path().is_none())

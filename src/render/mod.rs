@@ -8,7 +8,7 @@ mod error;
 mod offscreen;
 mod view;
 
-pub use egl::DeviceChoice;
+pub use egl::{DeviceChoice, describe_device};
 pub use error::RenderError;
 pub use offscreen::{GeomFilter, Lighting, Offscreen, RenderOptions, RenderedView, StudioLight};
 pub use view::CameraView;

@@ -1,0 +1,113 @@
+//! What can be said on the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::pipeline::batch::Shard;
+
+/// Turns first-person video of human hands into demonstrations for a Unitree G1 with BrainCo hands
+#[derive(Debug, Parser)]
+#[command(
+    name = "agenticfocus",
+    version,
+    args_conflicts_with_subcommands = true,
+    arg_required_else_help = true,
+    long_about = LONG_ABOUT,
+    after_long_help = AFTER_HELP
+)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    pub(super) batch: BatchArguments,
+    #[command(subcommand)]
+    pub(super) verb: Option<Verb>,
+}
+
+const LONG_ABOUT: &str = "\
+Turns first-person video of human hands into demonstrations for a Unitree G1 humanoid with BrainCo \
+dexterous hands: finds the manipulated object, tracks object and arms, removes the human, restores the \
+object from a clean frame, reconstructs both hands in 3-D, retargets them to the robot's arms and \
+fingers, renders the robot and layers everything. Out come a mixed-reality video and a synchronised \
+action/state record.";
+
+const AFTER_HELP: &str = "\
+Examples:
+  agenticfocus demo
+      A synthetic episode through the whole pipeline; needs nothing but the install.
+  agenticfocus --batch kitchen.mp4 --out out
+      One video. Its object is proposed from contact motion, and the clip is marked for review.
+  agenticfocus --batch clips/manifest.toml --out out --jobs 2
+      A list of clips with object prompts, intrinsics, hand tracks and parameters.
+  agenticfocus --batch out/kitchen.afs --out final
+      A session: every human edit in it is obeyed.
+  agenticfocus --batch clips.jsonl --out out --shard 3/16
+      The fourth of sixteen shards, chosen by the hash of each clip's id.
+
+Manifest (TOML; JSON Lines takes the same keys, one clip a line):
+  [[clip]]
+  id = \"put\"                      output folder (default: the file's stem)
+  path = \"put.mp4\"                relative to the manifest
+  task = \"put the knife away\"
+  rotate = 180                    clockwise degrees after decoding
+  object = { label = \"knife\", frame = 0, box = [238, 138, 316, 226] }
+                                  or points = [[x, y], ...], negative = [[x, y], ...];
+                                  pixels as decoded, before rotate, on a frame of the source's rate
+  camera = { fx = 248.8, fy = 248.8, cx = 228.0, cy = 128.0 }     or { hfov_deg = 60.0 }
+  hands = { track = \"hands.npz\", length_mm = 187 }
+  params = { beta = \"fit\", alpha = 0.5, T_offset = [0.0576, 0.0, 0.4299], R_cam = { pitch_deg = 47.6 } }
+  start = 1.0                     seconds
+  end = 9.5
+
+Output, one folder a clip:
+  composite.mp4  record.npz  record.json  report.json  template.png  masks/  crops/  debug/
+  done.json or failed.json, written last; a session beside it, CLIP_ID.afs
+
+A killed run is started again with the same line: what is done is not done again, and the bytes are
+those of an undisturbed run.
+
+Exit codes:
+  0 done   1 internal error   2 wrong usage   65 bad input   74 input/output error
+  75 temporary failure   130 cancelled
+A batch ends with the worst of its clips (0 < 65 < 75 < 74 < 1); one bad clip never stops the others.";
+
+/// The batch flags.
+#[derive(Debug, Args)]
+pub(super) struct BatchArguments {
+    /// Clips, sessions (.afs), folders, or manifests (.toml, .jsonl) to process
+    #[arg(long, num_args = 1.., value_name = "INPUT", requires = "out")]
+    pub(super) batch: Vec<PathBuf>,
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", requires = "batch")]
+    pub(super) out: Option<PathBuf>,
+    /// Clips processed at a time
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub(super) jobs: u16,
+    /// Process only shard I of N, chosen by the hash of each clip's id
+    #[arg(long, value_name = "I/N")]
+    pub(super) shard: Option<Shard>,
+    /// Print a JSON summary to standard output
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Go on where an earlier run stopped (always on; accepted for clarity)
+    #[arg(long, hide_short_help = true)]
+    pub(super) resume: bool,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub(super) enum Verb {
+    /// Say what is installed, which back end each stage uses, and the command for what is missing
+    Doctor {
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Show the state of every clip below an output folder
+    Status {
+        /// The output folder of a batch
+        out: PathBuf,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+}

@@ -1,0 +1,147 @@
+//! Where the parts that are not Rust lie, and whether they work.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use serde::Serialize;
+
+use crate::render::{self, DeviceChoice};
+
+/// The parts the pipeline finds at run time.
+#[derive(Clone, Debug)]
+pub struct Installation {
+    /// `.deps/`, filled by `make setup`.
+    pub dependencies: PathBuf,
+    /// The user's data folder: imported robots, later model weights.
+    pub data: PathBuf,
+}
+
+/// One part as `doctor` shows it.
+#[derive(Clone, Debug, Serialize)]
+pub struct PartReport {
+    /// What it is.
+    pub name: &'static str,
+    /// Version and place; `None` when it is missing or does not work.
+    pub found: Option<String>,
+    /// What it is for.
+    pub purpose: &'static str,
+    /// The command that installs it.
+    pub remedy: &'static str,
+    /// Whether the pipeline cannot run without it.
+    pub required: bool,
+}
+
+/// The back end a stage would use.
+#[derive(Clone, Debug, Serialize)]
+pub struct StageBackend {
+    /// The stage.
+    pub stage: &'static str,
+    /// Its back end.
+    pub backend: String,
+}
+
+impl Installation {
+    /// Looks beside the program, in the working folder and where the program was built.
+    pub fn locate() -> Self {
+        let beside = std::env::current_exe().ok().and_then(|path| path.parent().map(Path::to_owned));
+        let candidates = [
+            beside.map(|folder| folder.join(".deps")),
+            Some(PathBuf::from(".deps")),
+            Some(Path::new(env!("CARGO_MANIFEST_DIR")).join(".deps")),
+        ];
+        let found = candidates.into_iter().flatten().find(|folder| folder.is_dir());
+        let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/share"));
+        let data = std::env::var_os("XDG_DATA_HOME").map(PathBuf::from).or_else(home).unwrap_or_default();
+        Self {
+            dependencies: found.unwrap_or_else(|| PathBuf::from(".deps")),
+            data: data.join("agenticfocus"),
+        }
+    }
+
+    /// The Python interpreter of the shipped hand estimator.
+    pub fn estimator_python(&self) -> PathBuf {
+        self.dependencies.join("venv/bin/python")
+    }
+
+    /// Where `libonnxruntime` is expected.
+    pub fn onnx_runtime(&self) -> PathBuf {
+        self.dependencies.join("onnxruntime/libonnxruntime.so.1.31.1")
+    }
+
+    /// Tries every part.
+    pub fn examine(&self) -> Vec<PartReport> {
+        let python = self.estimator_python();
+        let script = "import mediapipe; mediapipe.solutions.hands; print('MediaPipe', mediapipe.__version__)";
+        let runtime = self.onnx_runtime();
+        let runtime = runtime.is_file().then(|| format!("ONNX Runtime 1.31.1, {}", runtime.display()));
+        vec![
+            PartReport {
+                name: "ffmpeg",
+                found: first_line(Command::new("ffmpeg").arg("-version")),
+                purpose: "reading and writing video",
+                remedy: "sudo apt-get install ffmpeg",
+                required: true,
+            },
+            PartReport {
+                name: "ffprobe",
+                found: first_line(Command::new("ffprobe").arg("-version")),
+                purpose: "reading video",
+                remedy: "sudo apt-get install ffmpeg",
+                required: true,
+            },
+            PartReport {
+                name: "off-screen OpenGL",
+                found: render::describe_device(DeviceChoice::Auto).ok(),
+                purpose: "rendering the robot",
+                remedy: "sudo apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri",
+                required: true,
+            },
+            PartReport {
+                name: "hand estimator",
+                found: first_line(Command::new(python).args(["-c", script])),
+                purpose: "finding hands (not needed with imported hand tracks)",
+                remedy: "make setup",
+                required: false,
+            },
+            PartReport {
+                name: "ONNX Runtime",
+                found: runtime,
+                purpose: "learned back ends",
+                remedy: "make setup",
+                required: false,
+            },
+        ]
+    }
+
+    /// Which back end each stage would use with the parts that were found.
+    pub fn stage_backends(&self, parts: &[PartReport]) -> Vec<StageBackend> {
+        let has = |name| parts.iter().any(|part| part.name == name && part.found.is_some());
+        let either = |ok: bool, yes: &str, no: &str| if ok { yes.to_owned() } else { no.to_owned() };
+        let row = |stage, backend| StageBackend { stage, backend };
+        vec![
+            row("clip", either(has("ffmpeg"), "ffmpeg", "unavailable: ffmpeg is missing")),
+            row("select", "contact motion (a manifest's or operator's prompt wins)".to_owned()),
+            row("segment", "classical: dense flow, colour models, graph cuts".to_owned()),
+            row("template", "clean frame of the clip".to_owned()),
+            row("inpaint", "temporal background plate".to_owned()),
+            row(
+                "hands",
+                either(has("hand estimator"), "MediaPipe, fitted in 3-D", "imported hand tracks only"),
+            ),
+            row("retarget", "damped least squares in MuJoCo".to_owned()),
+            row(
+                "render",
+                either(has("off-screen OpenGL"), "MuJoCo through EGL", "unavailable: no OpenGL context"),
+            ),
+            row("composite", "layer stack".to_owned()),
+            row("export", either(has("ffmpeg"), "H.264, npz, json, PNG", "unavailable: ffmpeg is missing")),
+        ]
+    }
+}
+
+fn first_line(command: &mut Command) -> Option<String> {
+    let output = command.output().ok().filter(|output| output.status.success())?;
+    String::from_utf8_lossy(&output.stdout).lines().next().map(str::to_owned)
+}
