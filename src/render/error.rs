@@ -33,7 +33,13 @@ pub enum RenderError {
         /// Far plane, metres.
         far: f64,
     },
-    /// The camera's pose or intrinsics are not finite.
-    #[error("the camera's pose or intrinsics are not finite")]
+    /// The robot has no torso to hang the camera on.
+    #[error("the robot model has no body torso_link: expected a Unitree G1")]
+    NoTorso,
+    /// MuJoCo could not allocate its state.
+    #[error("MuJoCo: {0}")]
+    MuJoCo(String),
+    /// The camera's pose or intrinsics, or joint angles, are not finite, or the rotation is none.
+    #[error("camera or joint angles: expected finite numbers and, in R_cam, a rotation")]
     NotFinite,
 }

@@ -12,6 +12,8 @@ use mujoco_rs::{
     },
 };
 
+use serde::{Deserialize, Serialize};
+
 use super::{CameraView, DeviceChoice, RenderError, egl::EglContext};
 use crate::{geometry::Size, image::Rgb8};
 
@@ -35,7 +37,7 @@ pub enum Lighting {
 }
 
 /// A directional light fixed to the camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StudioLight {
     /// Where the light shines to, camera axes.
     pub direction: [f64; 3],
@@ -126,7 +128,7 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// A renderer for `model` whose pictures have `size`, smoothed with `samples` samples a pixel (0 or 1 for none;
+    /// A renderer for `model` whose pictures have at most `size`, smoothed with `samples` samples a pixel (0 or 1 for none;
     /// the driver may give fewer).
     ///
     /// # Errors
@@ -152,7 +154,7 @@ impl Offscreen {
         Ok(Self { context, scene: MjvScene::new(model, room), egl, size })
     }
 
-    /// Width and height of the pictures.
+    /// Largest width and height of the pictures.
     pub fn size(&self) -> Size {
         self.size
     }
@@ -166,7 +168,7 @@ impl Offscreen {
     /// `camlight`).
     ///
     /// # Errors
-    /// When the camera is not finite, its picture has another size than the renderer, or `data` is of another model.
+    /// When the camera is not finite, its picture is larger than the renderer's, or `data` is of another model.
     pub fn render(
         &mut self,
         data: &mut MjData<impl ModelType>,
@@ -189,16 +191,16 @@ impl Offscreen {
     ) -> Result<RenderedView, RenderError> {
         self.prepare(data, view, options, filter)?;
         let mut picture =
-            RenderedView { size: self.size, rgba: Vec::new(), depth: Vec::new(), geom_ids: Vec::new() };
+            RenderedView { size: view.pinhole.size, rgba: Vec::new(), depth: Vec::new(), geom_ids: Vec::new() };
         self.set_flags(options, false);
-        self.draw();
-        self.read(&mut picture.rgba, options.depth.then_some(&mut picture.depth));
+        self.draw(picture.size);
+        self.read(picture.size, &mut picture.rgba, options.depth.then_some(&mut picture.depth));
         metres(&mut picture.depth, view);
         if options.geom_ids {
             self.set_flags(options, true);
-            self.draw();
+            self.draw(picture.size);
             let mut colours = Vec::new();
-            self.read(&mut colours, None);
+            self.read(picture.size, &mut colours, None);
             picture.geom_ids = self.geom_ids(&colours);
         }
         Ok(picture)
@@ -212,7 +214,8 @@ impl Offscreen {
         options: &RenderOptions,
         filter: GeomFilter<'_>,
     ) -> Result<(), RenderError> {
-        if view.pinhole.size != self.size {
+        let Size { width, height } = view.pinhole.size;
+        if width == 0 || height == 0 || width > self.size.width || height > self.size.height {
             return Err(RenderError::Size(view.pinhole.size));
         }
         if !self.scene.is_compatible_with_model(data.model()) {
@@ -284,28 +287,23 @@ impl Offscreen {
         flags[mjtRndFlag::mjRND_IDCOLOR as usize] = u8::from(geom_ids);
     }
 
-    fn viewport(&self) -> MjrRectangle {
-        MjrRectangle::new(0, 0, self.size.width as i32, self.size.height as i32)
-    }
-
-    fn draw(&mut self) {
-        let viewport = self.viewport();
-        self.scene.render(&viewport, &self.context);
+    fn draw(&mut self, size: Size) {
+        self.scene.render(&viewport(size), &self.context);
     }
 
     /// Reads colours (four bytes a pixel) and depth as OpenGL holds it, top row first.
-    fn read(&self, rgba: &mut Vec<u8>, mut depth: Option<&mut Vec<f32>>) {
-        rgba.resize(self.size.area() * 4, 0);
+    fn read(&self, size: Size, rgba: &mut Vec<u8>, mut depth: Option<&mut Vec<f32>>) {
+        rgba.resize(size.area() * 4, 0);
         if let Some(depth) = depth.as_deref_mut() {
-            depth.resize(self.size.area(), 0.0);
+            depth.resize(size.area(), 0.0);
         }
         let depth_pointer = depth.as_deref_mut().map_or(std::ptr::null_mut(), Vec::as_mut_ptr);
         // SAFETY: the buffers hold four bytes and one float a pixel of the viewport, as the pixel format set in
         // `new` has four channels; the context is current.
-        unsafe { mjr_readPixels(rgba.as_mut_ptr(), depth_pointer, self.viewport(), self.context.ffi()) };
-        flip(rgba, self.size.width as usize * 4);
+        unsafe { mjr_readPixels(rgba.as_mut_ptr(), depth_pointer, viewport(size), self.context.ffi()) };
+        flip(rgba, size.width as usize * 4);
         if let Some(depth) = depth {
-            flip(depth, self.size.width as usize);
+            flip(depth, size.width as usize);
         }
     }
 
@@ -364,6 +362,10 @@ impl Drop for Offscreen {
         // MuJoCo frees its buffers in whatever context is current, so it must be theirs.
         let _ = self.egl.make_current();
     }
+}
+
+fn viewport(size: Size) -> MjrRectangle {
+    MjrRectangle::new(0, 0, size.width as i32, size.height as i32)
 }
 
 fn geom_number(geom: &MjvGeom) -> Option<usize> {
