@@ -67,7 +67,7 @@ impl Default for LayerRequest {
 /// was drawn over `full` never brings out what the hand itself covers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotLayers {
-    /// Arms and hands, straight alpha; colours reach a little beyond the edge, so there is no dark fringe.
+    /// Arms and hands, straight alpha: at an edge the colour is the robot's own, so there is no dark fringe.
     pub full: Rgba8,
     /// How much of each pixel each side's arm and hand fill.
     pub sides: PerSide<Coverage>,
@@ -92,7 +92,8 @@ impl RobotLayers {
     /// The near-contact layer of one hand: the colours of `full`, the coverage of its near parts.
     pub fn near_layer(&self, side: Side) -> Rgba8 {
         let mut layer = self.full.clone();
-        for (pixel, coverage) in layer.data_mut().as_chunks_mut::<4>().0.iter_mut().zip(&self.near[side].data) {
+        for (pixel, coverage) in layer.data_mut().as_chunks_mut::<4>().0.iter_mut().zip(&self.near[side].data)
+        {
             pixel[3] = *coverage;
         }
         layer

@@ -190,8 +190,12 @@ impl Offscreen {
         filter: GeomFilter<'_>,
     ) -> Result<RenderedView, RenderError> {
         self.prepare(data, view, options, filter)?;
-        let mut picture =
-            RenderedView { size: view.pinhole.size, rgba: Vec::new(), depth: Vec::new(), geom_ids: Vec::new() };
+        let mut picture = RenderedView {
+            size: view.pinhole.size,
+            rgba: Vec::new(),
+            depth: Vec::new(),
+            geom_ids: Vec::new(),
+        };
         self.set_flags(options, false);
         self.draw(picture.size);
         self.read(picture.size, &mut picture.rgba, options.depth.then_some(&mut picture.depth));

@@ -1,6 +1,6 @@
 //! Which part of the robot a geom belongs to.
 
-use mujoco_rs::wrappers::{mj_model::MjModel, mj_primitive::*};
+use mujoco_rs::wrappers::mj_model::{MjModel, MjtObjBase};
 
 use crate::geometry::Side;
 
@@ -32,11 +32,7 @@ impl Part {
 /// The part of every geom, by the names of the bodies above it, which the embedded and the official description share.
 pub(super) fn parts_of_geoms(model: &MjModel) -> Vec<Part> {
     let bodies: Vec<Part> = (0..model.body_parentid().len()).map(|body| part_of_body(model, body)).collect();
-    model
-        .geom_bodyid()
-        .iter()
-        .map(|body| bodies.get(*body as usize).copied().unwrap_or(Part::Body))
-        .collect()
+    model.geom_bodyid().iter().map(|body| bodies.get(*body as usize).copied().unwrap_or(Part::Body)).collect()
 }
 
 fn part_of_body(model: &MjModel, mut body: usize) -> Part {
@@ -53,7 +49,9 @@ fn part_of_body(model: &MjModel, mut body: usize) -> Part {
 
 fn part_by_name(name: &str) -> Option<Part> {
     for side in Side::BOTH {
-        let Some(rest) = name.strip_prefix(side.name()).and_then(|rest| rest.strip_prefix('_')) else { continue };
+        let Some(rest) = name.strip_prefix(side.name()).and_then(|rest| rest.strip_prefix('_')) else {
+            continue;
+        };
         let starts = |words: &[&str]| words.iter().any(|word| rest.starts_with(word));
         if starts(&["thumb"]) {
             return Some(Part::Thumb(side));

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuat
 use serde::{Deserialize, Serialize};
 
 use super::{
-    CameraView, Coverage, DeviceChoice, LayerRequest, Lighting, NearParts, Offscreen, RenderError, RenderOptions,
+    CameraView, DeviceChoice, LayerRequest, Lighting, NearParts, Offscreen, RenderError, RenderOptions,
     RenderedView, RobotLayers, StudioLight,
     parts::{Part, parts_of_geoms},
 };
@@ -105,7 +105,8 @@ impl RobotRenderer {
         let pose = self.torso_pose() * camera_in_torso(map)?;
         let roles = self.roles(&pose, request);
         let Some(window) = self.window(&pose, &roles) else { return Ok(layers) };
-        let view = CameraView { pinhole: window.pinhole(&self.pinhole), pose, near: self.params.near, far: 5.0 };
+        let view =
+            CameraView { pinhole: window.pinhole(&self.pinhole), pose, near: self.params.near, far: 5.0 };
         let colours = self.draw(&view, &roles, Lighting::Studio(self.params.lights.clone()), true)?;
         let shares = self.draw(&view, &roles, Lighting::Flat, false)?;
         window.paste(&colours, &shares, &mut layers);
@@ -284,4 +285,122 @@ fn sphere_bounds(pinhole: &Pinhole, centre: Vector3<f64>, radius: f64, near: f64
     let (x0, x1) = interval(centre.x, pinhole.fx, pinhole.cx);
     let (y0, y1) = interval(centre.y, pinhole.fy, pinhole.cy);
     Some([x0, y0, x1, y1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Camera, Position};
+
+    const SIZE: Size = Size::new(320, 240);
+
+    fn head_camera() -> CameraMap {
+        let axes = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
+        let pitch = Rotation3::from_axis_angle(&Vector3::y_axis(), 0.83);
+        CameraMap { beta: 1.0, rotation: pitch.matrix() * axes, offset: Vector3::new(0.0576, 0.0, 0.43) }
+    }
+
+    fn renderer() -> Option<(RobotModel, Pinhole, RobotRenderer)> {
+        let robot = RobotModel::embedded().unwrap();
+        let pinhole = Pinhole::new(230.0, 225.0, 155.0, 122.0, SIZE).unwrap();
+        match RobotRenderer::new(&robot, pinhole, RobotRenderParams::default()) {
+            Ok(renderer) => Some((robot, pinhole, renderer)),
+            Err(RenderError::NoContext { tried }) => {
+                println!("skipped: no EGL device ({tried})");
+                None
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    fn raised() -> JointAngles {
+        let mut angles = JointAngles::default();
+        for (joint, angle) in [-0.5, 0.25, 0.1, 0.2, 0.3, -0.2, 0.1].into_iter().enumerate() {
+            angles.0[joint] = angle;
+            angles.0[7 + joint] = if matches!(joint, 1 | 2 | 4 | 6) { -angle } else { angle };
+        }
+        angles
+    }
+
+    #[test]
+    fn fingertips_are_drawn_where_the_virtual_camera_projects_them() {
+        let Some((robot, pinhole, mut renderer)) = renderer() else { return };
+        let (angles, map) = (raised(), head_camera());
+        let layers = renderer.render(&angles, &map, &LayerRequest::default()).unwrap();
+        for side in Side::BOTH {
+            for tip in robot.fingertips(side, &angles) {
+                let seen = Position::<Camera>::new(map.rotation.transpose() * (tip.xyz - map.offset));
+                let pixel = pinhole.project(&seen).unwrap();
+                let at = pixel.y.round() as usize * SIZE.width as usize + pixel.x.round() as usize;
+                assert!(layers.sides[side].data[at] > 100, "{side:?} tip at {pixel:?}");
+                assert_eq!(layers.sides[side.other()].data[at], 0);
+                assert!(f64::from(layers.depth[at]) < seen.xyz.z + 0.01);
+            }
+        }
+    }
+
+    #[test]
+    fn near_parts_lie_inside_their_side_and_edges_have_no_dark_fringe() {
+        let Some((_, _, mut renderer)) = renderer() else { return };
+        let layers = renderer.render(&raised(), &head_camera(), &LayerRequest::default()).unwrap();
+        for (side, near) in layers.near.iter() {
+            assert!(!near.is_empty(), "{side:?} thumb");
+            for (near, all) in near.data.iter().zip(&layers.sides[side].data) {
+                assert!(*near <= all.saturating_add(1));
+            }
+        }
+        let near = layers.near_layer(Side::Left);
+        assert!(near.pixels().zip(&layers.near.left.data).all(|(pixel, coverage)| pixel[3] == *coverage));
+        let (mut edge, mut darker) = (0, 0);
+        for y in 1..SIZE.height - 1 {
+            for x in 1..SIZE.width - 1 {
+                let pixel = layers.full.pixel(x, y);
+                if !(30..220).contains(&pixel[3]) {
+                    continue;
+                }
+                // Shading falls off towards an outline by itself, so a few may well be darker.
+                let around = (0..9).map(|k| layers.full.pixel(x + k % 3 - 1, y + k / 3 - 1));
+                if let Some(darkest) = around.filter(|p| p[3] == 255).map(|p| p[1]).min() {
+                    edge += 1;
+                    darker += u32::from(pixel[1].saturating_add(25) < darkest);
+                }
+            }
+        }
+        assert!(
+            edge > 200 && darker * 5 < edge,
+            "{darker} of {edge} edge pixels are darker than their neighbours"
+        );
+    }
+
+    #[test]
+    fn a_side_that_is_not_shown_leaves_no_trace() {
+        let Some((_, _, mut renderer)) = renderer() else { return };
+        let mut request = LayerRequest::default();
+        request.shown.right = false;
+        let layers = renderer.render(&raised(), &head_camera(), &request).unwrap();
+        assert!(
+            layers.sides.right.is_empty() && layers.near.right.is_empty() && !layers.sides.left.is_empty()
+        );
+        request.shown.left = false;
+        let layers = renderer.render(&raised(), &head_camera(), &request).unwrap();
+        assert_eq!(layers, RobotLayers::empty(SIZE));
+    }
+
+    #[test]
+    fn a_frame_does_not_depend_on_the_frames_before_it() {
+        let Some((_, _, mut renderer)) = renderer() else { return };
+        let first = renderer.render(&raised(), &head_camera(), &LayerRequest::default()).unwrap();
+        renderer.render(&JointAngles::default(), &head_camera(), &LayerRequest::default()).unwrap();
+        let again = renderer.render(&raised(), &head_camera(), &LayerRequest::default()).unwrap();
+        assert!(first == again);
+    }
+
+    #[test]
+    fn angles_that_are_no_numbers_are_refused() {
+        let Some((_, _, mut renderer)) = renderer() else { return };
+        let mut angles = raised();
+        angles.0[3] = f64::NAN;
+        let result = renderer.render(&angles, &head_camera(), &LayerRequest::default());
+        assert!(matches!(result, Err(RenderError::NotFinite)));
+    }
 }
