@@ -1,5 +1,6 @@
 //! Opening clips: real ones, odd ones, damaged ones. Every clip here is made by FFmpeg on the spot.
 #![cfg(feature = "engine")]
+#![expect(clippy::unwrap_used, reason = "a failure in a helper fails the test")]
 
 use std::{
     path::{Path, PathBuf},

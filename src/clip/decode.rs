@@ -108,12 +108,10 @@ impl Decoder {
             let silence = child.silence();
             self.read_log()?;
             match turn {
-                Turn::Closed if filled < buffer.len() || buffer.is_empty() => {
-                    // Anything still expected after both pipes closed will never come.
-                    if self.stamps.is_empty() || !buffer.is_empty() {
-                        self.end()?;
-                        return Ok(None);
-                    }
+                // What is still expected after both pipes closed will never come.
+                Turn::Closed if filled < buffer.len() || (buffer.is_empty() && self.stamps.is_empty()) => {
+                    self.end()?;
+                    return Ok(None);
                 }
                 Turn::Idle if silence > STALL => {
                     let (path, frames) = (self.path.clone(), self.frames);
