@@ -6,6 +6,7 @@
 
 mod align;
 pub mod binary;
+mod camera_path;
 mod colour_model;
 mod flow;
 pub mod grab_cut;
@@ -13,15 +14,20 @@ mod guided;
 mod histogram;
 mod homography;
 mod plane;
+mod registration;
 mod scale;
+mod smooth_fill;
 mod tv_cut;
 
 pub use align::{AlignChannel, AlignPoint, AlignPrior, Alignment, align};
+pub use camera_path::CameraPath;
 pub use colour_model::{ColourModel, log_odds};
 pub use flow::{Flow, FlowQuality, dense_flow};
 pub use guided::refine_edges;
 pub use histogram::LabHistogram;
 pub use homography::{BackgroundMotion, background_motion};
 pub use plane::Plane;
+pub use registration::{Registration, View, Warp, colour_offset, to_full_size};
 pub use scale::{WorkScale, single_threaded};
+pub use smooth_fill::fill_smoothly;
 pub use tv_cut::{EdgeWeights, tv_cut};

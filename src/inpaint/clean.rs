@@ -1,0 +1,272 @@
+//! The driver: plates along the clip, and every frame's hole drawn from the two around it.
+
+use opencv::{
+    core::{
+        CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual, Rect, Scalar, Size as CvSize, Vec3b,
+    },
+    imgproc,
+};
+use rayon::prelude::*;
+
+use super::{
+    FrameCoverage, InpaintError, InpaintParams, InpaintReport,
+    fill::grown_rect,
+    plate::{self, Plate, SEEN, SYNTHESISED, matched},
+    scene::{Loaded, Scene},
+    survey::Survey,
+};
+use crate::{
+    clip::{FrameIndex, FrameSource},
+    image::Rgb8,
+    progress::Watch,
+    segment::{MaskTrack, RleMask},
+    vision::{Registration, fill_smoothly, single_threaded},
+};
+
+/// A receiver's error.
+pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Takes hands and arms out of every frame of a clip and hands the frames to `sink` in order.
+///
+/// `arms` and `object` are the visible masks of `frames`' clip. The visible object stays as it is
+/// in the frame; behind it and behind the hand the plates know neither hand nor object, so that a
+/// template drawn at its placement meets clean background. `template_region`, one mask a frame, says
+/// where the template will be drawn anyway: it only changes how made-up pixels are counted.
+///
+/// Memory: frames kept up to `cache_mib`, two plates, and small numbers for every frame.
+///
+/// # Errors
+/// When a track was made for another clip, a frame cannot be read, `sink` fails, or `watch` cancels.
+pub fn clean(
+    frames: &dyn FrameSource,
+    arms: &MaskTrack,
+    object: &MaskTrack,
+    template_region: Option<&[RleMask]>,
+    params: &InpaintParams,
+    sink: &mut dyn FnMut(FrameIndex, &Rgb8) -> Result<(), SinkError>,
+    watch: &dyn Watch,
+) -> Result<InpaintReport, InpaintError> {
+    single_threaded();
+    let scene = Scene::new(frames, arms, object, params)?;
+    let count = scene.frame_count();
+    if let Some(region) = template_region
+        && region.len() != count
+    {
+        return Err(InpaintError::Mismatch {
+            what: "the template region",
+            found: region.len(),
+            found_size: region.first().map_or(frames.size(), RleMask::size),
+            expected: count,
+            expected_size: frames.size(),
+        });
+    }
+    let survey = Survey::new(&scene, watch)?;
+    let keys = key_frames(count, params.plate_spacing as usize);
+    let mut coverage = Vec::with_capacity(count);
+    let mut current: Option<Plate> = None;
+    for (number, &key) in keys.iter().enumerate() {
+        watch.check()?;
+        let end = keys.get(number + 1).copied().unwrap_or(count);
+        let first = match current.take() {
+            Some(plate) => plate,
+            None => plate::build(&scene, &survey, key, key..end, None)?,
+        };
+        let second = match keys.get(number + 1) {
+            Some(&next) => {
+                let beyond = keys.get(number + 2).copied().unwrap_or(count);
+                Some(plate::build(&scene, &survey, next, key..beyond, Some(&first))?)
+            }
+            None => None,
+        };
+        for start in (key..end).step_by(CHUNK) {
+            watch.check()?;
+            let cleaned: Vec<Result<(Rgb8, FrameCoverage), InpaintError>> = (start..(start + CHUNK).min(end))
+                .into_par_iter()
+                .map(|frame| {
+                    let weight = (frame - key) as f32 / (end - key) as f32;
+                    let template = template_region.map(|regions| &regions[frame]);
+                    clean_frame(&scene, &survey, frame, &first, second.as_ref(), weight, template)
+                })
+                .collect();
+            for (frame, cleaned) in (start..).zip(cleaned) {
+                let (picture, covered) = cleaned?;
+                sink(FrameIndex(frame as u32), &picture).map_err(InpaintError::Sink)?;
+                coverage.push(covered);
+                watch.advance(frame + 1, count);
+            }
+        }
+        current = second;
+    }
+    Ok(InpaintReport { coverage, plates: keys.len(), backend: "temporal-plate".to_owned() })
+}
+
+const CHUNK: usize = 8;
+
+/// Key frames from the first to the last at even distances of about `spacing`.
+fn key_frames(count: usize, spacing: usize) -> Vec<usize> {
+    if count <= 1 {
+        return (0..count).collect();
+    }
+    let gaps = (count - 1).div_ceil(spacing.max(1)).max(1);
+    (0..=gaps).map(|i| i * (count - 1) / gaps).collect()
+}
+
+fn clean_frame(
+    scene: &Scene<'_>,
+    survey: &Survey,
+    frame: usize,
+    first: &Plate,
+    second: Option<&Plate>,
+    weight: f32,
+    template: Option<&RleMask>,
+) -> Result<(Rgb8, FrameCoverage), InpaintError> {
+    let loaded = scene.load(frame)?;
+    let bounds = imgproc::bounding_rect(&loaded.hole)?;
+    if bounds.width == 0 || bounds.height == 0 {
+        return Ok((
+            Rgb8::from_mat(&loaded.picture)?,
+            FrameCoverage { seen: 1.0, ..FrameCoverage::default() },
+        ));
+    }
+    let feather = InpaintParams::pixels(scene.params.feather, loaded.picture.cols() as u32, 1);
+    let region = grown_rect(bounds, 2 * feather + 2, loaded.picture.cols(), loaded.picture.rows());
+    let mut parts = Vec::new();
+    for (plate, weight) in [(Some(first), 1.0 - weight), (second, weight)] {
+        let Some(plate) = plate.filter(|_| weight > 0.0) else { continue };
+        if let Some((picture, origin)) = draw_plate(scene, survey, &loaded, frame, plate, region)? {
+            parts.push(Part { picture, origin, weight });
+        }
+    }
+    let template = template.map(RleMask::decode);
+    let inside_template = |x: i32, y: i32| {
+        template.as_ref().is_some_and(|mask| mask.get((region.x + x) as u32, (region.y + y) as u32))
+    };
+    let hole = Mat::roi(&loaded.hole, region)?.try_clone()?;
+    let (background, coverage) = mixed(&loaded, region, &hole, &parts, &inside_template)?;
+    let core = Mat::roi(&loaded.core, region)?.try_clone()?;
+    let alpha = seam(&hole, &core, feather)?;
+    let picture = blended(&loaded.picture, region, &background, &alpha)?;
+    Ok((picture, coverage))
+}
+
+/// One plate's view of a frame's hole.
+struct Part {
+    picture: Mat,
+    origin: Mat,
+    weight: f32,
+}
+
+/// The plate as the frame's camera sees it, in the frame's colours; `None` where it does not fit.
+fn draw_plate(
+    scene: &Scene<'_>,
+    survey: &Survey,
+    loaded: &Loaded,
+    frame: usize,
+    plate: &Plate,
+    region: Rect,
+) -> Result<Option<(Mat, Mat)>, InpaintError> {
+    let Some(guess) = plate.guess_from(survey, frame) else { return Ok(None) };
+    let registration = Registration { parallax: scene.params.parallax };
+    let still = plate.still();
+    let Some(warp) = registration.register(&loaded.view, &plate.view, &guess, Some(&still))? else {
+        return Ok(None);
+    };
+    let picture = warp.draw(&plate.picture, region, imgproc::INTER_CUBIC, None)?;
+    let origin = warp.draw(&plate.origin, region, imgproc::INTER_NEAREST, Some(Scalar::all(0.0)))?;
+    let picture = matched(&loaded.view, &plate.view, &warp, &picture, region, 8, scene.params)?;
+    Ok(Some((picture, origin)))
+}
+
+/// The background inside `region` as 32-bit colours, from all parts; gaps are closed smoothly.
+fn mixed(
+    loaded: &Loaded,
+    region: Rect,
+    hole: &Mat,
+    parts: &[Part],
+    inside_template: &dyn Fn(i32, i32) -> bool,
+) -> opencv::Result<(Vec<[f32; 3]>, FrameCoverage)> {
+    let own = Mat::roi(&loaded.picture, region)?.try_clone()?;
+    let (own, hole) = (own.data_typed::<Vec3b>()?, hole.data_typed::<u8>()?);
+    let mut sources = Vec::new();
+    for part in parts {
+        sources.push((part.picture.data_typed::<Vec3b>()?, part.origin.data_typed::<u8>()?, part.weight));
+    }
+    let mut colours = vec![[0.0_f32; 3]; own.len()];
+    let mut weights = vec![1.0_f32; own.len()];
+    let (mut total, mut seen, mut hidden) = (0_u64, 0_u64, 0_u64);
+    for (i, colour) in colours.iter_mut().enumerate() {
+        let best = sources.iter().map(|(_, origin, _)| origin[i]).max().unwrap_or(0);
+        let (mut sum, mut all) = ([0.0_f32; 3], 0.0_f32);
+        for (picture, origin, weight) in &sources {
+            // What was seen wins over what was made up.
+            if origin[i] == best && best >= SYNTHESISED {
+                for (sum, value) in sum.iter_mut().zip(picture[i].0) {
+                    *sum += weight * f32::from(value);
+                }
+                all += weight;
+            }
+        }
+        if all > 0.0 {
+            *colour = sum.map(|value| value / all);
+        } else if hole[i] == 0 {
+            *colour = own[i].0.map(f32::from);
+        } else {
+            weights[i] = 0.0;
+        }
+        if hole[i] != 0 {
+            total += 1;
+            if best == SEEN {
+                seen += 1;
+            } else if inside_template(i as i32 % region.width, i as i32 / region.width) {
+                hidden += 1;
+            }
+        }
+    }
+    fill_smoothly(&mut colours, &weights, region.width as usize, region.height as usize);
+    let share = |count: u64| if total > 0 { count as f64 / total as f64 } else { 0.0 };
+    let coverage = FrameCoverage {
+        hole: total,
+        seen: share(seen),
+        synthesised: share(total - seen - hidden),
+        behind_template: share(hidden),
+    };
+    Ok((colours, coverage))
+}
+
+/// 1 inside the hole, falling to 0 over twice `feather` pixels outside of it; 0 on the object's core.
+fn seam(hole: &Mat, core: &Mat, feather: i32) -> opencv::Result<Mat> {
+    let (mut soft, mut out) = (Mat::default(), Mat::default());
+    let wide = super::hole::grown(hole, feather)?;
+    wide.convert_to(&mut soft, CV_32FC1, 1.0 / 255.0, 0.0)?;
+    let side = 2 * feather + 1;
+    imgproc::blur(
+        &soft,
+        &mut out,
+        CvSize::new(side, side),
+        opencv::core::Point::new(-1, -1),
+        opencv::core::BORDER_REPLICATE,
+    )?;
+    out.set_to(&Scalar::all(0.0), core)?;
+    Ok(out)
+}
+
+fn blended(picture: &Mat, region: Rect, background: &[[f32; 3]], alpha: &Mat) -> opencv::Result<Rgb8> {
+    let mut out = Rgb8::from_mat(picture)?;
+    let columns = out.size().width as usize;
+    let alpha = alpha.data_typed::<f32>()?;
+    let data = out.data_mut();
+    for y in 0..region.height as usize {
+        for x in 0..region.width as usize {
+            let i = y * region.width as usize + x;
+            if alpha[i] <= 0.0 {
+                continue;
+            }
+            let at = ((region.y as usize + y) * columns + region.x as usize + x) * 3;
+            for channel in 0..3 {
+                let own = f32::from(data[at + channel]);
+                data[at + channel] = (own + alpha[i] * (background[i][channel] - own)).round() as u8;
+            }
+        }
+    }
+    Ok(out)
+}

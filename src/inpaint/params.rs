@@ -1,0 +1,62 @@
+//! What can be tuned.
+
+use serde::{Deserialize, Serialize};
+
+/// Parameters of background restoration. Lengths are shares of the picture's width.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct InpaintParams {
+    /// Longer side, in pixels, of the picture on which frames are registered (default: 640).
+    pub work_side: u32,
+    /// How far the arm mask is widened to make the hole (default: 0.009): covers blurred edges and
+    /// the soft shadow at the contact border.
+    pub hole_dilation: f64,
+    /// How far the arm and object masks are widened before anything outside counts as background
+    /// (default: 0.015).
+    pub guard: f64,
+    /// How far the object mask is narrowed before it is taken out of the hole (default: 0.003):
+    /// its rim may carry the hand's colours.
+    pub object_erosion: f64,
+    /// Width of the seam over which restored background fades into the frame (default: 0.004).
+    pub feather: f64,
+    /// Frames between two plates (default: 15).
+    pub plate_spacing: u32,
+    /// Samples wanted for each pixel of a plate (default: 5).
+    pub samples: usize,
+    /// Frames a plate may read at most (default: 16).
+    pub max_sources: usize,
+    /// Margin of a plate around its frame, for a moving camera (default: 0.125).
+    pub margin: f64,
+    /// Whether parallax is followed by dense flow on top of a homography (default: true).
+    pub parallax: bool,
+    /// Colour differences beyond this many levels are misregistration, not light (default: 40).
+    pub colour_limit: f32,
+    /// Mebibytes of decoded frames that may be kept (default: 160).
+    pub cache_mib: usize,
+}
+
+impl Default for InpaintParams {
+    fn default() -> Self {
+        Self {
+            work_side: 640,
+            hole_dilation: 0.009,
+            guard: 0.015,
+            object_erosion: 0.003,
+            feather: 0.004,
+            plate_spacing: 15,
+            samples: 5,
+            max_sources: 16,
+            margin: 0.125,
+            parallax: true,
+            colour_limit: 40.0,
+            cache_mib: 160,
+        }
+    }
+}
+
+impl InpaintParams {
+    /// A share of the width in whole pixels, at least `least`.
+    pub(super) fn pixels(share: f64, width: u32, least: i32) -> i32 {
+        ((share * f64::from(width)).round() as i32).max(least)
+    }
+}

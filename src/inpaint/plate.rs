@@ -1,0 +1,340 @@
+//! A plate: one key frame with hand and object replaced by what other frames saw there.
+
+use nalgebra::Matrix3;
+use opencv::{
+    core::{
+        CV_8UC3, Mat, MatTrait, MatTraitConst, MatTraitConstManual, MatTraitManual, Rect, Scalar,
+        Size as CvSize, Vec3b,
+    },
+    imgproc,
+};
+use rayon::prelude::*;
+
+use super::{
+    InpaintError, InpaintParams, fill,
+    gather::{Canvas, choose_sources, needed_cells},
+    scene::{Loaded, Scene},
+    survey::{CELL, Survey},
+};
+use crate::{
+    geometry::Size,
+    vision::{Registration, View, Warp, WorkScale, colour_offset},
+};
+
+/// Nothing is known there.
+pub(super) const UNKNOWN: u8 = 0;
+/// Made up.
+pub(super) const SYNTHESISED: u8 = 128;
+/// Really seen on some frame.
+pub(super) const SEEN: u8 = 255;
+
+/// The background around one key frame.
+pub(super) struct Plate {
+    /// The key frame.
+    pub key: usize,
+    /// CV_8UC3, RGB: the frame with a margin on every side.
+    pub picture: Mat,
+    /// CV_8UC1: [`UNKNOWN`], [`SYNTHESISED`] or [`SEEN`].
+    pub origin: Mat,
+    /// The plate at work scale; valid where [`SEEN`].
+    pub view: View,
+    /// Margin in full-size pixels.
+    pub margin: (i32, i32),
+    /// Margin in work pixels.
+    pub work_margin: f64,
+}
+
+impl Plate {
+    /// Takes work pixels of frame `frame` to work pixels of the plate, by the chained camera path.
+    pub fn guess_from(&self, survey: &Survey, frame: usize) -> Option<Matrix3<f64>> {
+        Some(shift(self.work_margin, self.work_margin) * survey.path.between(frame, self.key)?)
+    }
+
+    /// The exact full-size map from a frame whose camera stands where the key frame's stood.
+    pub fn still(&self) -> Matrix3<f64> {
+        shift(f64::from(self.margin.0), f64::from(self.margin.1))
+    }
+}
+
+pub(super) fn shift(x: f64, y: f64) -> Matrix3<f64> {
+    Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0)
+}
+
+/// Builds the plate of `key` for the holes of `frames`; `previous` hands on what it made up.
+pub(super) fn build(
+    scene: &Scene<'_>,
+    survey: &Survey,
+    key: usize,
+    frames: std::ops::Range<usize>,
+    previous: Option<&Plate>,
+) -> Result<Plate, InpaintError> {
+    let params = scene.params;
+    let canvas = Canvas::new(survey, params.margin);
+    let loaded = scene.load(key)?;
+    let mut plate = bare(scene, &canvas, key, &loaded)?;
+    let needed = needed_cells(survey, &canvas, key, frames);
+    let sources = choose_sources(survey, &canvas, key, &needed, params);
+    let mut samples = Samples::new(&plate, &canvas, &needed, params)?;
+    if let Some(region) = samples.region {
+        let still = plate_still(&plate);
+        for batch in sources.chunks(4) {
+            let drawn: Vec<Result<Option<Drawn>, InpaintError>> = batch
+                .par_iter()
+                .map(|&source| {
+                    let Some(path) = survey.path.between(key, source) else { return Ok(None) };
+                    let guess = path * shift(-plate.work_margin, -plate.work_margin);
+                    let source = scene.load(source)?;
+                    draw_source(&plate, &source, &guess, &still, region, params)
+                })
+                .collect();
+            for drawn in drawn {
+                if let Some(drawn) = drawn? {
+                    samples.add(&drawn)?;
+                }
+            }
+        }
+        samples.settle(&mut plate)?;
+        inherit(&mut plate, previous, survey, &samples, region, params)?;
+        fill::fill_unseen(&mut plate.picture, &mut plate.origin, &samples.needed, params)?;
+    }
+    plate.view = view_of(&plate)?;
+    Ok(plate)
+}
+
+fn plate_still(plate: &Plate) -> Matrix3<f64> {
+    shift(-f64::from(plate.margin.0), -f64::from(plate.margin.1))
+}
+
+/// The key frame alone on its canvas.
+fn bare(scene: &Scene<'_>, canvas: &Canvas, key: usize, loaded: &Loaded) -> Result<Plate, InpaintError> {
+    let work_margin = (canvas.margin * CELL) as f64;
+    let (sx, sy) = scene.scale.factors();
+    let margin = ((work_margin / sx).round() as i32, (work_margin / sy).round() as i32);
+    let full = scene.frames.size();
+    let size = Size::new(full.width + 2 * margin.0 as u32, full.height + 2 * margin.1 as u32);
+    let work = scene.scale.work;
+    let work_size = Size::new(work.width + 2 * work_margin as u32, work.height + 2 * work_margin as u32);
+    let scale = WorkScale { full: size, work: work_size };
+    let mut picture = bordered(&loaded.picture, margin, opencv::core::BORDER_REPLICATE, 0.0)?;
+    let blocked = bordered(&loaded.blocked, margin, opencv::core::BORDER_CONSTANT, 255.0)?;
+    let mut origin = Mat::default();
+    opencv::core::bitwise_not_def(&blocked, &mut origin)?;
+    let view = View::new(scale, &picture, &blocked)?;
+    picture.set_to(&Scalar::all(0.0), &blocked)?;
+    Ok(Plate { key, picture, origin, view, margin, work_margin })
+}
+
+fn bordered(picture: &Mat, margin: (i32, i32), border: i32, value: f64) -> opencv::Result<Mat> {
+    let mut out = Mat::default();
+    let (x, y) = margin;
+    opencv::core::copy_make_border(picture, &mut out, y, y, x, x, border, Scalar::all(value))?;
+    Ok(out)
+}
+
+fn view_of(plate: &Plate) -> opencv::Result<View> {
+    let mut blocked = Mat::default();
+    imgproc::threshold(
+        &plate.origin,
+        &mut blocked,
+        f64::from(SEEN) - 1.0,
+        255.0,
+        imgproc::THRESH_BINARY_INV,
+    )?;
+    View::new(plate.view.scale, &plate.picture, &blocked)
+}
+
+/// A source frame on the plate's grid, inside a region.
+struct Drawn {
+    /// CV_8UC3, colours matched to the key frame.
+    picture: Mat,
+    /// CV_8UC1, 255 where it shows the background.
+    valid: Mat,
+}
+
+fn draw_source(
+    plate: &Plate,
+    source: &Loaded,
+    guess: &Matrix3<f64>,
+    still: &Matrix3<f64>,
+    region: Rect,
+    params: &InpaintParams,
+) -> Result<Option<Drawn>, InpaintError> {
+    let registration = Registration { parallax: params.parallax };
+    let Some(warp) = registration.register(&plate.view, &source.view, guess, Some(still))? else {
+        return Ok(None);
+    };
+    let picture = warp.draw(&source.picture, region, imgproc::INTER_CUBIC, None)?;
+    let blocked = warp.draw(&source.blocked, region, imgproc::INTER_LINEAR, Some(Scalar::all(255.0)))?;
+    let mut valid = Mat::default();
+    imgproc::threshold(&blocked, &mut valid, 0.0, 255.0, imgproc::THRESH_BINARY_INV)?;
+    let picture = matched(&plate.view, &source.view, &warp, &picture, region, 32, params)?;
+    Ok(Some(Drawn { picture, valid }))
+}
+
+/// `picture`, drawn from `source` inside `region` of the full-size target, with its colours matched.
+pub(super) fn matched(
+    target: &View,
+    source: &View,
+    warp: &Warp,
+    picture: &Mat,
+    region: Rect,
+    cell: i32,
+    params: &InpaintParams,
+) -> opencv::Result<Mat> {
+    let (colour, shown) = warp.draw_work(source)?;
+    let mut valid = Mat::default();
+    opencv::core::bitwise_and_def(&shown, &target.valid, &mut valid)?;
+    let offset = colour_offset(&target.colour, &colour, &valid, cell, params.colour_limit)?;
+    let full = target.scale.full;
+    // Enlarging the whole offset would cost a full-size float picture: warp the region's part out.
+    let (sx, sy) =
+        (f64::from(offset.cols()) / f64::from(full.width), f64::from(offset.rows()) / f64::from(full.height));
+    let place = |at: i32, s: f64| (f64::from(at) + 0.5) * s - 0.5;
+    let map = Mat::from_slice_2d(&[[sx, 0.0, place(region.x, sx)], [0.0, sy, place(region.y, sy)]])?;
+    let (mut wide, mut sum) = (Mat::default(), Mat::default());
+    let size = CvSize::new(region.width, region.height);
+    let flags = imgproc::INTER_LINEAR | imgproc::WARP_INVERSE_MAP;
+    let border = opencv::core::BORDER_REPLICATE;
+    imgproc::warp_affine(&offset, &mut wide, &map, size, flags, border, Scalar::default())?;
+    opencv::core::add(picture, &wide, &mut sum, &opencv::core::no_array(), CV_8UC3)?;
+    Ok(sum)
+}
+
+/// Samples of the pixels that the key frame does not show.
+struct Samples {
+    /// The box around them on the canvas.
+    region: Option<Rect>,
+    /// CV_8UC1 on the canvas: 255 where samples are wanted.
+    needed: Mat,
+    /// Indices of those pixels within the region, row after row.
+    pixels: Vec<u32>,
+    /// `limit` slots a pixel.
+    colours: Vec<[u8; 3]>,
+    filled: Vec<u8>,
+    limit: usize,
+}
+
+impl Samples {
+    fn new(plate: &Plate, canvas: &Canvas, cells: &[bool], params: &InpaintParams) -> opencv::Result<Self> {
+        let bytes: Vec<u8> = cells.iter().map(|needed| if *needed { 255 } else { 0 }).collect();
+        let coarse = Mat::new_rows_cols_with_data(canvas.rows as i32, canvas.columns as i32, &bytes)?;
+        let (mut wide, mut missing, mut needed) = (Mat::default(), Mat::default(), Mat::default());
+        imgproc::resize(&coarse, &mut wide, plate.picture.size()?, 0.0, 0.0, imgproc::INTER_NEAREST)?;
+        opencv::core::bitwise_not_def(&plate.origin, &mut missing)?;
+        opencv::core::bitwise_and_def(&wide, &missing, &mut needed)?;
+        let bounds = imgproc::bounding_rect(&needed)?;
+        let region = (bounds.width > 0 && bounds.height > 0).then_some(bounds);
+        let limit = params.samples.clamp(1, 15);
+        let mut pixels = Vec::new();
+        if let Some(region) = region {
+            let part = Mat::roi(&needed, region)?.try_clone()?;
+            let inside = part.data_typed::<u8>()?.iter().enumerate().filter(|(_, v)| **v != 0);
+            pixels = inside.map(|(index, _)| index as u32).collect();
+        }
+        let count = pixels.len();
+        Ok(Self {
+            region,
+            needed,
+            pixels,
+            colours: vec![[0; 3]; count * limit],
+            filled: vec![0; count],
+            limit,
+        })
+    }
+
+    fn add(&mut self, drawn: &Drawn) -> opencv::Result<()> {
+        let (colours, valid) = (drawn.picture.data_typed::<Vec3b>()?, drawn.valid.data_typed::<u8>()?);
+        for (i, pixel) in self.pixels.iter().enumerate() {
+            let filled = self.filled[i] as usize;
+            if filled < self.limit && valid[*pixel as usize] != 0 {
+                self.colours[i * self.limit + filled] = colours[*pixel as usize].0;
+                self.filled[i] += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes robust means onto the plate.
+    fn settle(&self, plate: &mut Plate) -> opencv::Result<()> {
+        let Some(region) = self.region else { return Ok(()) };
+        let columns = plate.picture.cols() as usize;
+        let picture = plate.picture.data_typed_mut::<Vec3b>()?;
+        let origin = plate.origin.data_typed_mut::<u8>()?;
+        for (i, pixel) in self.pixels.iter().enumerate() {
+            let filled = self.filled[i] as usize;
+            if filled == 0 {
+                continue;
+            }
+            let start = i * self.limit;
+            let (x, y) = (*pixel as usize % region.width as usize, *pixel as usize / region.width as usize);
+            let at = (region.y as usize + y) * columns + region.x as usize + x;
+            picture[at] = Vec3b::from(robust_mean(&self.colours[start..start + filled]));
+            origin[at] = SEEN;
+        }
+        Ok(())
+    }
+}
+
+/// Mean of the samples near the median, channel by channel; the earliest samples win a tie of two.
+fn robust_mean(samples: &[[u8; 3]]) -> [u8; 3] {
+    std::array::from_fn(|channel| {
+        let mut values: Vec<u8> = samples.iter().map(|sample| sample[channel]).collect();
+        if values.len() == 2 && values[0].abs_diff(values[1]) > 24 {
+            return values[0];
+        }
+        values.sort_unstable();
+        let median = values[values.len() / 2];
+        let near = values.iter().filter(|value| value.abs_diff(median) <= 16);
+        let (sum, count) = near.fold((0_u32, 0_u32), |(s, n), value| (s + u32::from(*value), n + 1));
+        ((sum + count / 2) / count.max(1)) as u8
+    })
+}
+
+/// Takes over what the previous plate knew or made up where no source showed anything.
+fn inherit(
+    plate: &mut Plate,
+    previous: Option<&Plate>,
+    survey: &Survey,
+    samples: &Samples,
+    region: Rect,
+    params: &InpaintParams,
+) -> Result<(), InpaintError> {
+    let Some(previous) = previous else { return Ok(()) };
+    if samples.filled.iter().all(|filled| *filled > 0) {
+        return Ok(());
+    }
+    let Some(path) = previous.guess_from(survey, plate.key) else { return Ok(()) };
+    let guess = path * shift(-plate.work_margin, -plate.work_margin);
+    let registration = Registration { parallax: params.parallax };
+    let still = Matrix3::identity();
+    let Some(warp) = registration.register(&plate.view, &previous.view, &guess, Some(&still))? else {
+        return Ok(());
+    };
+    let picture = warp.draw(&previous.picture, region, imgproc::INTER_CUBIC, None)?;
+    let origin = warp.draw(&previous.origin, region, imgproc::INTER_NEAREST, Some(Scalar::all(0.0)))?;
+    let columns = plate.picture.cols() as usize;
+    let (colours, kinds) = (picture.data_typed::<Vec3b>()?, origin.data_typed::<u8>()?);
+    let (to, to_origin) = (plate.picture.data_typed_mut::<Vec3b>()?, plate.origin.data_typed_mut::<u8>()?);
+    for (pixel, filled) in samples.pixels.iter().zip(&samples.filled) {
+        let pixel = *pixel as usize;
+        if *filled == 0 && kinds[pixel] != UNKNOWN {
+            let (x, y) = (pixel % region.width as usize, pixel / region.width as usize);
+            let at = (region.y as usize + y) * columns + region.x as usize + x;
+            to[at] = colours[pixel];
+            to_origin[at] = kinds[pixel];
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_frame_with_skin_on_it_does_not_tint_the_plate() {
+        let samples = [[100, 90, 80], [102, 91, 79], [210, 160, 140], [101, 92, 81]];
+        let mean = robust_mean(&samples);
+        assert!(mean[0].abs_diff(101) <= 1 && mean[1].abs_diff(91) <= 1 && mean[2].abs_diff(80) <= 1);
+    }
+}

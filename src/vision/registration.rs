@@ -1,0 +1,338 @@
+//! Registering one view of the background with another: homography, then what parallax leaves.
+
+use nalgebra::{Matrix3, Vector3};
+use opencv::{
+    core::{
+        BORDER_CONSTANT, BORDER_REPLICATE, CV_32FC1, CV_32FC3, Mat, MatTrait, MatTraitConst,
+        MatTraitConstManual, MatTraitManual, Rect, Scalar, Size as CvSize, Vec3f,
+    },
+    imgproc,
+};
+
+use super::{BackgroundMotion, FlowQuality, WorkScale, background_motion, dense_flow, fill_smoothly};
+
+/// A picture of the background with holes, at work scale.
+#[derive(Debug)]
+pub struct View {
+    /// How the work picture maps to the full one.
+    pub scale: WorkScale,
+    /// CV_8UC3, RGB, work size.
+    pub colour: Mat,
+    /// CV_8UC1, work size.
+    pub gray: Mat,
+    /// CV_8UC1, work size: 255 where the background is really shown, 0 where an actor, an object
+    /// or nothing is.
+    pub valid: Mat,
+    /// CV_8UC1, work size: the complement of `valid`.
+    pub blocked: Mat,
+}
+
+impl View {
+    /// A view of `picture` (CV_8UC3, RGB, full size), of which `blocked` (CV_8UC1, full size,
+    /// non-zero inside) does not show the background.
+    ///
+    /// # Errors
+    /// When OpenCV fails.
+    pub fn new(scale: WorkScale, picture: &Mat, blocked: &Mat) -> opencv::Result<Self> {
+        let colour = scale.shrink(picture)?;
+        let mut gray = Mat::default();
+        imgproc::cvt_color_def(&colour, &mut gray, imgproc::COLOR_RGB2GRAY)?;
+        let shrunk = scale.shrink(blocked)?;
+        let (mut valid, mut blocked) = (Mat::default(), Mat::default());
+        imgproc::threshold(&shrunk, &mut valid, 0.0, 255.0, imgproc::THRESH_BINARY_INV)?;
+        opencv::core::bitwise_not_def(&valid, &mut blocked)?;
+        Ok(Self { scale, colour, gray, valid, blocked })
+    }
+}
+
+/// Where each pixel of a target view lies in a source view.
+#[derive(Clone, Debug)]
+pub struct Warp {
+    target: WorkScale,
+    /// Full-size target pixels to full-size source pixels.
+    homography: Matrix3<f64>,
+    /// What parallax leaves: a displacement in target full-size pixels, before the homography.
+    residual: Option<Residual>,
+}
+
+#[derive(Clone, Debug)]
+struct Residual {
+    width: usize,
+    height: usize,
+    vectors: Vec<[f32; 2]>,
+}
+
+/// How views are registered.
+#[derive(Clone, Copy, Debug)]
+pub struct Registration {
+    /// Follow parallax with a dense residual flow, completed smoothly where either view is blocked.
+    pub parallax: bool,
+}
+
+impl Registration {
+    /// Registers `source` with `target`, starting from `guess`, which takes work pixels of `target`
+    /// to work pixels of `source`. A camera that stands still keeps `still`, the full-size
+    /// homography that is exact then, if one is given.
+    ///
+    /// `None` when the views do not agree.
+    ///
+    /// # Errors
+    /// When OpenCV fails.
+    pub fn register(
+        &self,
+        target: &View,
+        source: &View,
+        guess: &Matrix3<f64>,
+        still: Option<&Matrix3<f64>>,
+    ) -> opencv::Result<Option<Warp>> {
+        let shown = warp_work(&source.gray, guess, target, imgproc::INTER_LINEAR)?;
+        let usable = both_valid(target, source, guess)?;
+        let mut excluded = Mat::default();
+        opencv::core::bitwise_not_def(&usable, &mut excluded)?;
+        let Some(motion) = background_motion(&target.gray, &shown, Some(&excluded))? else {
+            return Ok(None);
+        };
+        let work = guess * motion.homography;
+        let homography = to_full_size(&work, target.scale, source.scale);
+        if let Some(still) = still
+            && farthest_corner(&homography, still, target.scale) < STILL
+        {
+            return Ok(Some(Warp { target: target.scale, homography: *still, residual: None }));
+        }
+        let residual = if self.parallax { residual_flow(target, source, &work)? } else { None };
+        Ok(Some(Warp { target: target.scale, homography, residual }))
+    }
+}
+
+/// Work pixels by which the corners may miss the still map of a camera that does not move.
+const STILL: f64 = 0.3;
+
+/// How far apart two full-size maps take the target's corners, in work pixels.
+fn farthest_corner(a: &Matrix3<f64>, b: &Matrix3<f64>, scale: WorkScale) -> f64 {
+    let (right, bottom) = (f64::from(scale.full.width) - 1.0, f64::from(scale.full.height) - 1.0);
+    let corners = [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)];
+    let distance = |(x, y): (f64, f64)| {
+        let (p, q) = (a * Vector3::new(x, y, 1.0), b * Vector3::new(x, y, 1.0));
+        (p.x / p.z - q.x / q.z).hypot(p.y / p.z - q.y / q.z)
+    };
+    scale.factors().0 * corners.into_iter().map(distance).fold(0.0, f64::max)
+}
+
+/// A homography between work pictures as one between full-size pictures.
+pub fn to_full_size(work: &Matrix3<f64>, target: WorkScale, source: WorkScale) -> Matrix3<f64> {
+    let shrink = |scale: WorkScale| {
+        let (sx, sy) = scale.factors();
+        Matrix3::new(sx, 0.0, 0.5 * sx - 0.5, 0.0, sy, 0.5 * sy - 0.5, 0.0, 0.0, 1.0)
+    };
+    let (sx, sy) = source.factors();
+    let enlarge = Matrix3::new(1.0 / sx, 0.0, 0.5 / sx - 0.5, 0.0, 1.0 / sy, 0.5 / sy - 0.5, 0.0, 0.0, 1.0);
+    enlarge * work * shrink(target)
+}
+
+/// Draws a work picture of the source on the target's work grid.
+fn warp_work(source: &Mat, map: &Matrix3<f64>, target: &View, interpolation: i32) -> opencv::Result<Mat> {
+    let motion = BackgroundMotion { homography: *map, inlier_share: 1.0, inliers: 0 };
+    let mut out = Mat::default();
+    let size = CvSize::new(target.gray.cols(), target.gray.rows());
+    let flags = interpolation | imgproc::WARP_INVERSE_MAP;
+    imgproc::warp_perspective(
+        source,
+        &mut out,
+        &motion.to_mat()?,
+        size,
+        flags,
+        BORDER_CONSTANT,
+        Scalar::all(0.0),
+    )?;
+    Ok(out)
+}
+
+/// 255 where both views show the background and the source covers the target.
+fn both_valid(target: &View, source: &View, map: &Matrix3<f64>) -> opencv::Result<Mat> {
+    let warped = warp_work(&source.valid, map, target, imgproc::INTER_LINEAR)?;
+    let (mut certain, mut both) = (Mat::default(), Mat::default());
+    imgproc::threshold(&warped, &mut certain, 250.0, 255.0, imgproc::THRESH_BINARY)?;
+    opencv::core::bitwise_and_def(&certain, &target.valid, &mut both)?;
+    Ok(both)
+}
+
+/// Dense flow that the homography leaves, at half work size, completed where a view is blocked.
+fn residual_flow(target: &View, source: &View, map: &Matrix3<f64>) -> opencv::Result<Option<Residual>> {
+    let half = WorkScale::fit(target.scale.work, target.scale.work.width.max(target.scale.work.height) / 2);
+    let usable = both_valid(target, source, map)?;
+    let shown = warp_work(&source.gray, map, target, imgproc::INTER_LINEAR)?;
+    // What is blocked is made equal in both, so that the flow estimator sees no motion there.
+    let mut filled = target.gray.try_clone()?;
+    shown.copy_to_masked(&mut filled, &usable)?;
+    let (first, second) = (half.shrink(&target.gray)?, half.shrink(&filled)?);
+    let flow = dense_flow(&first, &second, FlowQuality::Fast)?;
+    let pulled = flow.pull(&second)?;
+    let usable = half.shrink(&usable)?;
+    let (width, height) = (first.cols() as usize, first.rows() as usize);
+    let (a, b, u) = (first.data_typed::<u8>()?, pulled.data_typed::<u8>()?, usable.data_typed::<u8>()?);
+    let mut vectors = flow.vectors().to_vec();
+    let mut weights = vec![0.0_f32; width * height];
+    let (mut sum, mut count) = (0.0_f64, 0_usize);
+    for (i, weight) in weights.iter_mut().enumerate() {
+        let length = vectors[i][0].hypot(vectors[i][1]);
+        if u[i] == 255 && a[i].abs_diff(b[i]) < 20 && length < 0.05 * width as f32 {
+            *weight = 1.0;
+            sum += f64::from(length);
+            count += 1;
+        }
+    }
+    if count == 0 || sum / (count as f64) < 0.03 {
+        return Ok(None);
+    }
+    fill_smoothly(&mut vectors, &weights, width, height);
+    let (gx, gy) = (
+        f64::from(target.scale.full.width) / width as f64,
+        f64::from(target.scale.full.height) / height as f64,
+    );
+    for vector in &mut vectors {
+        *vector = [(f64::from(vector[0]) * gx) as f32, (f64::from(vector[1]) * gy) as f32];
+    }
+    Ok(Some(Residual { width, height, vectors }))
+}
+
+impl Warp {
+    /// Draws the part `region` of the full-size target from `source` (full size, any type) with
+    /// an OpenCV interpolation; `outside` is what lies beyond the source, `None` repeats its border.
+    ///
+    /// # Errors
+    /// When OpenCV fails.
+    pub fn draw(
+        &self,
+        source: &Mat,
+        region: Rect,
+        interpolation: i32,
+        outside: Option<Scalar>,
+    ) -> opencv::Result<Mat> {
+        let mut out = Mat::default();
+        let border = if outside.is_some() { BORDER_CONSTANT } else { BORDER_REPLICATE };
+        let value = outside.unwrap_or_default();
+        if let Some(residual) = &self.residual {
+            let (xs, ys) = self.maps(residual, region)?;
+            imgproc::remap(source, &mut out, &xs, &ys, interpolation, border, value)?;
+            return Ok(out);
+        }
+        let offset =
+            Matrix3::new(1.0, 0.0, f64::from(region.x), 0.0, 1.0, f64::from(region.y), 0.0, 0.0, 1.0);
+        let motion = BackgroundMotion { homography: self.homography * offset, inlier_share: 1.0, inliers: 0 };
+        let flags = interpolation | imgproc::WARP_INVERSE_MAP;
+        let size = CvSize::new(region.width, region.height);
+        imgproc::warp_perspective(source, &mut out, &motion.to_mat()?, size, flags, border, value)?;
+        Ok(out)
+    }
+
+    fn maps(&self, residual: &Residual, region: Rect) -> opencv::Result<(Mat, Mat)> {
+        let zero = Scalar::all(0.0);
+        let mut xs = Mat::new_rows_cols_with_default(region.height, region.width, CV_32FC1, zero)?;
+        let mut ys = xs.try_clone()?;
+        let full = self.target.full;
+        let step = (residual.width as f32 / full.width as f32, residual.height as f32 / full.height as f32);
+        {
+            let (xs, ys) = (xs.data_typed_mut::<f32>()?, ys.data_typed_mut::<f32>()?);
+            let width = region.width as usize;
+            for (row, (xs, ys)) in xs.chunks_exact_mut(width).zip(ys.chunks_exact_mut(width)).enumerate() {
+                let y = (region.y + row as i32) as f32;
+                for (column, (x_out, y_out)) in xs.iter_mut().zip(ys).enumerate() {
+                    let x = (region.x + column as i32) as f32;
+                    let [dx, dy] = residual.at((x + 0.5) * step.0 - 0.5, (y + 0.5) * step.1 - 0.5);
+                    let q = self.homography * Vector3::new(f64::from(x + dx), f64::from(y + dy), 1.0);
+                    (*x_out, *y_out) = ((q.x / q.z) as f32, (q.y / q.z) as f32);
+                }
+            }
+        }
+        Ok((xs, ys))
+    }
+
+    /// [`Self::draw`] of the source's colours on the target's whole work grid, and 255 where the
+    /// source really shows the background.
+    ///
+    /// # Errors
+    /// When OpenCV fails.
+    pub fn draw_work(&self, source: &View) -> opencv::Result<(Mat, Mat)> {
+        let full = self.target;
+        // At work scale the view itself plays the full-size picture.
+        let work = WorkScale { full: full.work, work: full.work };
+        let own = WorkScale { full: source.scale.work, work: source.scale.work };
+        let homography = to_work_size(&self.homography, full, source.scale);
+        let residual = self.residual.as_ref().map(|residual| {
+            let (sx, sy) = full.factors();
+            let vectors = residual.vectors.iter();
+            let vectors = vectors.map(|v| [v[0] * sx as f32, v[1] * sy as f32]).collect();
+            Residual { vectors, ..*residual }
+        });
+        debug_assert_eq!(own.full, source.scale.work);
+        let warp = Self { target: work, homography, residual };
+        let region = Rect::new(0, 0, work.full.width as i32, work.full.height as i32);
+        let colour = warp.draw(&source.colour, region, imgproc::INTER_LINEAR, None)?;
+        let shown = warp.draw(&source.valid, region, imgproc::INTER_LINEAR, Some(Scalar::all(0.0)))?;
+        let mut valid = Mat::default();
+        imgproc::threshold(&shown, &mut valid, 250.0, 255.0, imgproc::THRESH_BINARY)?;
+        Ok((colour, valid))
+    }
+}
+
+fn to_work_size(full: &Matrix3<f64>, target: WorkScale, source: WorkScale) -> Matrix3<f64> {
+    // The inverse scaling of each side: swap full and work.
+    let swap = |scale: WorkScale| WorkScale { full: scale.work, work: scale.full };
+    to_full_size(full, swap(target), swap(source))
+}
+
+impl Residual {
+    /// Bilinear, coordinates in the residual's own grid.
+    fn at(&self, x: f32, y: f32) -> [f32; 2] {
+        let x = x.clamp(0.0, (self.width - 1) as f32);
+        let y = y.clamp(0.0, (self.height - 1) as f32);
+        let (x0, y0) = (x as usize, y as usize);
+        let (x1, y1) = ((x0 + 1).min(self.width - 1), (y0 + 1).min(self.height - 1));
+        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
+        let row = |y: usize| {
+            let (a, b) = (self.vectors[y * self.width + x0], self.vectors[y * self.width + x1]);
+            [a[0] + (b[0] - a[0]) * fx, a[1] + (b[1] - a[1]) * fx]
+        };
+        let (top, bottom) = (row(y0), row(y1));
+        [top[0] + (bottom[0] - top[0]) * fy, top[1] + (bottom[1] - top[1]) * fy]
+    }
+}
+
+/// What to add to `source` (CV_8UC3) so that its colours meet `target`'s (CV_8UC3), given where both are
+/// valid (CV_8UC1, 255): measured in cells of `cell` pixels, completed smoothly, at cell resolution
+/// (CV_32FC3). Differences beyond `limit` levels count as misregistration and are ignored.
+///
+/// # Errors
+/// When OpenCV fails.
+pub fn colour_offset(target: &Mat, source: &Mat, valid: &Mat, cell: i32, limit: f32) -> opencv::Result<Mat> {
+    let size = CvSize::new((target.cols() / cell).max(1), (target.rows() / cell).max(1));
+    let (mut a, mut b, mut difference) = (Mat::default(), Mat::default(), Mat::default());
+    target.convert_to(&mut a, CV_32FC3, 1.0, 0.0)?;
+    source.convert_to(&mut b, CV_32FC3, 1.0, 0.0)?;
+    opencv::core::subtract_def(&a, &b, &mut difference)?;
+    let mut invalid = Mat::default();
+    opencv::core::bitwise_not_def(valid, &mut invalid)?;
+    difference.set_to(&Scalar::all(0.0), &invalid)?;
+    let (mut means, mut shares) = (Mat::default(), Mat::default());
+    imgproc::resize(&difference, &mut means, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+    imgproc::resize(valid, &mut shares, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+    let (means, shares) = (means.data_typed::<Vec3f>()?, shares.data_typed::<u8>()?);
+    let mut values = vec![[0.0_f32; 3]; means.len()];
+    let mut weights = vec![0.0_f32; means.len()];
+    for (i, (mean, share)) in means.iter().zip(shares).enumerate() {
+        if *share >= 64 {
+            let whole = 255.0 / f32::from(*share);
+            values[i] = [mean[0] * whole, mean[1] * whole, mean[2] * whole];
+            let within = values[i].iter().all(|v| v.abs() <= limit);
+            weights[i] = if within { f32::from(*share) / 255.0 } else { 0.0 };
+        }
+    }
+    fill_smoothly(&mut values, &weights, size.width as usize, size.height as usize);
+    let mut offset = Mat::new_rows_cols_with_default(size.height, size.width, CV_32FC3, Scalar::all(0.0))?;
+    for (to, value) in offset.data_typed_mut::<Vec3f>()?.iter_mut().zip(&values) {
+        *to = Vec3f::from(*value);
+    }
+    let mut smooth = Mat::default();
+    imgproc::gaussian_blur(&offset, &mut smooth, CvSize::new(5, 5), 1.0, 1.0, BORDER_REPLICATE)?;
+    Ok(smooth)
+}
