@@ -4,6 +4,8 @@
 pub mod arms;
 #[cfg(feature = "engine")]
 mod error;
+#[cfg(feature = "engine")]
+pub mod object;
 mod rle;
 mod track;
 

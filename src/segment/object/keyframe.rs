@@ -1,0 +1,153 @@
+//! A view of the object that others are aligned to.
+
+use nalgebra::Matrix3;
+use opencv::{
+    core::{BORDER_CONSTANT, Mat, Scalar},
+    imgproc,
+};
+
+use super::{
+    shape::{bounds_of, signed_distance},
+    view::{Roi, View},
+};
+use crate::{
+    segment::SegmentError,
+    vision::{AlignPoint, ColourModel, Plane},
+};
+
+/// A frame on which the object's whole shape is known, cropped around it.
+#[derive(Clone)]
+pub(crate) struct Keyframe {
+    /// Where the crop lies on its frame.
+    pub roi: Roi,
+    /// The shape, 0 or 1, in the crop.
+    pub shape: Plane,
+    /// Samples of brightness inside the shape; positions on the frame.
+    pub texture: Vec<AlignPoint>,
+    /// Samples of the shape around its border; positions on the frame.
+    pub outline: Vec<AlignPoint>,
+    /// Centre of the shape on the frame.
+    pub centre: (f64, f64),
+    /// Radius of the disc of the shape's area.
+    pub radius: f64,
+    /// Pixels of the shape.
+    pub area: f64,
+}
+
+impl Keyframe {
+    /// Cuts `shape` (0 or 1 a pixel of the work picture) out of `view`; `None` when it is empty.
+    pub fn new(view: &View, shape: &[u8]) -> Result<Option<Self>, SegmentError> {
+        let Some(bounds) = bounds_of(shape, view.width) else { return Ok(None) };
+        let roi = Roi::around(bounds, 14.0, view.width, view.height);
+        let cropped = roi.crop(shape, view.width);
+        let plane = Plane {
+            width: roi.width,
+            height: roi.height,
+            data: cropped.iter().map(|v| f32::from(u8::from(*v != 0))).collect(),
+        };
+        let gray = roi.crop_plane(&view.gray_plane).blurred(0.8)?;
+        let distance = signed_distance(&cropped, roi.width, roi.height)?;
+        let soft = plane.blurred(1.5)?;
+        let (mut sum, mut area) = ((0.0, 0.0), 0.0_f64);
+        for (at, value) in cropped.iter().enumerate() {
+            if *value != 0 {
+                sum = (sum.0 + (at % roi.width) as f64, sum.1 + (at / roi.width) as f64);
+                area += 1.0;
+            }
+        }
+        let centre = (sum.0 / area + roi.x as f64, sum.1 / area + roi.y as f64);
+        Ok(Some(Self {
+            texture: texture_points(&gray, &distance, &roi, area),
+            outline: outline_points(&soft, &distance, &roi),
+            roi,
+            shape: plane,
+            centre,
+            radius: (area / std::f64::consts::PI).sqrt().max(3.0),
+            area,
+        }))
+    }
+
+    /// The shape carried to another frame by `transform`, drawn on `roi` there, 0 to 1.
+    pub fn place(&self, transform: &Matrix3<f64>, roi: &Roi) -> opencv::Result<Plane> {
+        let shift = |x: f64, y: f64| Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0);
+        let full =
+            shift(-(roi.x as f64), -(roi.y as f64)) * transform * shift(self.roi.x as f64, self.roi.y as f64);
+        let rows = [0, 1, 2].map(|r| [full[(r, 0)], full[(r, 1)], full[(r, 2)]]);
+        let matrix = Mat::from_slice_2d(&rows)?;
+        let mut out = Mat::default();
+        let size = opencv::core::Size::new(roi.width as i32, roi.height as i32);
+        let (linear, zero) = (imgproc::INTER_LINEAR, Scalar::all(0.0));
+        imgproc::warp_perspective(
+            &self.shape.to_mat()?,
+            &mut out,
+            &matrix,
+            size,
+            linear,
+            BORDER_CONSTANT,
+            zero,
+        )?;
+        Plane::from_mat(&out)
+    }
+
+    /// Corners of the crop's shape box carried by `transform`: `(x0, y0, x1, y1)`.
+    pub fn bounds(&self, transform: &Matrix3<f64>) -> (f64, f64, f64, f64) {
+        let margin = 13.0;
+        let (x0, y0) = (self.roi.x as f64 + margin, self.roi.y as f64 + margin);
+        let x1 = (self.roi.x + self.roi.width) as f64 - margin;
+        let y1 = (self.roi.y + self.roi.height) as f64 - margin;
+        let mut bounds = (f64::MAX, f64::MAX, f64::MIN, f64::MIN);
+        for (x, y) in [(x0, y0), (x1, y0), (x0, y1), (x1, y1)] {
+            let p = apply(transform, x, y);
+            bounds = (bounds.0.min(p.0), bounds.1.min(p.1), bounds.2.max(p.0), bounds.3.max(p.1));
+        }
+        bounds
+    }
+
+    /// Colours inside the shape on its own frame.
+    pub fn colours(view: &View, shape: &[u8]) -> Option<ColourModel> {
+        ColourModel::learn(view.lab.iter().zip(shape).filter(|(_, s)| **s != 0).map(|(lab, _)| (*lab, 1.0)))
+    }
+}
+
+/// Applies a projective transform to a pixel.
+pub(crate) fn apply(transform: &Matrix3<f64>, x: f64, y: f64) -> (f64, f64) {
+    let v = transform * nalgebra::Vector3::new(x, y, 1.0);
+    let w = if v.z.abs() < 1e-9 { 1e-9 } else { v.z };
+    (v.x / w, v.y / w)
+}
+
+/// Interior samples: denser where there is texture, about a thousand.
+fn texture_points(gray: &Plane, distance: &Plane, roi: &Roi, area: f64) -> Vec<AlignPoint> {
+    let step = ((area / 1200.0).sqrt().ceil() as usize).max(1);
+    let mut points = Vec::new();
+    for y in (1..roi.height - 1).step_by(step) {
+        for x in (1..roi.width - 1).step_by(step) {
+            if distance.at(x, y) < 1.5 {
+                continue;
+            }
+            let gx = gray.at(x + 1, y) - gray.at(x - 1, y);
+            let gy = gray.at(x, y + 1) - gray.at(x, y - 1);
+            let weight = 0.2 + (0.5 * gx.hypot(gy) / 12.0).min(1.0);
+            let (x_frame, y_frame) = ((x + roi.x) as f64, (y + roi.y) as f64);
+            points.push(AlignPoint { x: x_frame, y: y_frame, value: gray.at(x, y), weight });
+        }
+    }
+    points
+}
+
+/// Samples of the softened shape within 6 pixels of its border.
+fn outline_points(soft: &Plane, distance: &Plane, roi: &Roi) -> Vec<AlignPoint> {
+    let band = |d: f32| d.abs() <= 6.0;
+    let count = distance.data.iter().filter(|d| band(**d)).count();
+    let step = ((count as f64 / 1200.0).sqrt().ceil() as usize).max(1);
+    let mut points = Vec::new();
+    for y in (0..roi.height).step_by(step) {
+        for x in (0..roi.width).step_by(step) {
+            if band(distance.at(x, y)) {
+                let (x_frame, y_frame) = ((x + roi.x) as f64, (y + roi.y) as f64);
+                points.push(AlignPoint { x: x_frame, y: y_frame, value: soft.at(x, y), weight: 1.0 });
+            }
+        }
+    }
+    points
+}
