@@ -1,5 +1,30 @@
 //! 21-joint tracks of both hands.
+//!
+//! [`estimate`] asks an external estimator for image landmarks and keeps left and right apart;
+//! [`fit`](fn@fit) turns them into metric hands in the camera frame.
 
+#[cfg(feature = "engine")]
+mod detection;
+#[cfg(feature = "engine")]
+mod error;
+#[cfg(feature = "engine")]
+mod estimate;
+#[cfg(feature = "engine")]
+mod estimator;
+#[cfg(feature = "engine")]
+mod outliers;
+#[cfg(feature = "engine")]
+mod recover;
+#[cfg(feature = "engine")]
+mod sides;
 mod track;
+#[cfg(feature = "engine")]
+mod tracklet;
 
+#[cfg(feature = "engine")]
+pub use error::HandsError;
+#[cfg(feature = "engine")]
+pub use estimate::{EstimateParams, Estimation, estimate};
+#[cfg(feature = "engine")]
+pub use estimator::{EstimatorCommand, PROTOCOL};
 pub use track::{HandFrame, HandState, HandTrack};
