@@ -164,6 +164,18 @@ impl Offscreen {
         self.egl.renderer_name()
     }
 
+    /// Uploads mesh `mesh` anew from `model`, a copy of the renderer's model with other vertices.
+    ///
+    /// # Errors
+    /// When `model` has another layout, has no such mesh, or the OpenGL context is lost.
+    pub fn upload_mesh(&self, model: &MjModel, mesh: usize) -> Result<(), RenderError> {
+        if !self.context.is_asset_compatible_with_model(model) {
+            return Err(RenderError::OtherModel);
+        }
+        self.egl.make_current()?;
+        self.context.upload_mesh(model, mesh).map_err(|_| RenderError::OtherModel)
+    }
+
     /// Draws the model as it stands in `data` (kinematics and lights computed: `forward`, or `kinematics` and
     /// `camlight`).
     ///
