@@ -1,5 +1,21 @@
 //! Clean-frame choice, the object template, its placement per frame.
 
+#[cfg(feature = "engine")]
+mod build;
+#[cfg(feature = "engine")]
+mod clean;
+#[cfg(feature = "engine")]
+mod params;
+#[cfg(feature = "engine")]
+mod picture;
+#[cfg(feature = "engine")]
+mod placement;
+#[cfg(feature = "engine")]
+mod smooth;
 mod track;
 
+#[cfg(feature = "engine")]
+pub use build::build;
+#[cfg(feature = "engine")]
+pub use params::{TemplateError, TemplateParams};
 pub use track::{Placement, TemplateTrack};

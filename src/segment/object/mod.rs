@@ -25,12 +25,16 @@ use std::{
 
 use rayon::prelude::*;
 
+pub(crate) use keyframe::{Keyframe, apply};
+pub(crate) use motion::{LocalFlow, fit_similarity};
 pub use params::{ObjectParams, ObjectPrompt, PromptKind};
+
+pub(crate) use shape::{bounds_of, byte_mat, signed_distance};
+pub(crate) use view::{Roi, Scene, View, arm};
 
 use self::{
     step::{Measures, State},
     sweep::Found,
-    view::Scene,
 };
 use super::{MaskAuthor, MaskFrame, MaskTrack, RleMask, SegmentError};
 use crate::{

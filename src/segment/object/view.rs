@@ -169,6 +169,14 @@ impl Roi {
         Self { x: x0, y: y0, width: x1 - x0, height: y1 - y0 }
     }
 
+    /// The smallest rectangle around both.
+    pub fn union(&self, other: &Self) -> Self {
+        let (x, y) = (self.x.min(other.x), self.y.min(other.y));
+        let right = (self.x + self.width).max(other.x + other.width);
+        let low = (self.y + self.height).max(other.y + other.height);
+        Self { x, y, width: right - x, height: low - y }
+    }
+
     /// As OpenCV has it.
     pub fn rect(&self) -> Rect {
         Rect::new(self.x as i32, self.y as i32, self.width as i32, self.height as i32)
