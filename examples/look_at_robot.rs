@@ -1,6 +1,7 @@
 //! Renders the embedded robot, or an MJCF file, as its own camera or a bystander sees it.
 //!
 //! `cargo run --example look_at_robot -- OUT.png [MODEL.xml] [--view head|side|hand] [--grey 0..255] [--close 0..1]`
+//! `cargo run --example look_at_robot -- --mjcf OUT.xml` writes the embedded model as one MJCF document.
 //!
 //! With `--view head` the layers of the pipeline are shown over a plain background; the others look at the robot
 //! from outside.
@@ -25,6 +26,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--view" => view = value()?,
             "--grey" => grey = value()?.parse()?,
             "--close" => close = value()?.parse()?,
+            "--mjcf" => {
+                std::fs::write(value()?, RobotModel::embedded()?.mjcf())?;
+                return Ok(());
+            }
             _ if out.is_none() => out = Some(PathBuf::from(argument)),
             _ => model = Some(PathBuf::from(argument)),
         }

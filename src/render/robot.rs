@@ -331,10 +331,16 @@ mod tests {
             for tip in robot.fingertips(side, &angles) {
                 let seen = Position::<Camera>::new(map.rotation.transpose() * (tip.xyz - map.offset));
                 let pixel = pinhole.project(&seen).unwrap();
-                let at = pixel.y.round() as usize * SIZE.width as usize + pixel.x.round() as usize;
-                assert!(layers.sides[side].data[at] > 100, "{side:?} tip at {pixel:?}");
-                assert_eq!(layers.sides[side.other()].data[at], 0);
-                assert!(f64::from(layers.depth[at]) < seen.xyz.z + 0.01);
+                // A tip lies on the surface, so its pixel may be half outside.
+                let around = (0..9).map(|k| {
+                    let (x, y) = (pixel.x.round() as usize + k % 3 - 1, pixel.y.round() as usize + k / 3 - 1);
+                    y * SIZE.width as usize + x
+                });
+                let seen_here = around.clone().any(|at| {
+                    layers.sides[side].data[at] > 100 && f64::from(layers.depth[at]) < seen.xyz.z + 0.01
+                });
+                assert!(seen_here, "{side:?} tip at {pixel:?}");
+                assert!(around.into_iter().all(|at| layers.sides[side.other()].data[at] == 0));
             }
         }
     }

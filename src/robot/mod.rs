@@ -11,6 +11,8 @@ mod error;
 #[cfg(feature = "engine")]
 mod limits;
 #[cfg(feature = "engine")]
+mod loft;
+#[cfg(feature = "engine")]
 mod model;
 #[cfg(feature = "engine")]
 mod names;
