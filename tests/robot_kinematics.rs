@@ -1,5 +1,6 @@
 //! The embedded model against the public description, MuJoCo and finite differences.
 #![cfg(feature = "engine")]
+#![allow(clippy::unwrap_used, reason = "a broken expectation is a failed test")]
 
 use agenticfocus::{
     geometry::Side,

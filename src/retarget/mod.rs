@@ -2,4 +2,45 @@
 
 mod motion;
 
+#[cfg(feature = "engine")]
+mod beta;
+#[cfg(feature = "engine")]
+mod error;
+#[cfg(feature = "engine")]
+mod filter;
+#[cfg(feature = "engine")]
+mod grip;
+#[cfg(feature = "engine")]
+mod human;
+#[cfg(feature = "engine")]
+mod mapping;
+#[cfg(feature = "engine")]
+mod params;
+#[cfg(feature = "engine")]
+mod rest;
+#[cfg(feature = "engine")]
+mod score;
+#[cfg(feature = "engine")]
+mod solve;
+#[cfg(feature = "engine")]
+mod solver;
+#[cfg(feature = "engine")]
+mod stage;
+#[cfg(feature = "engine")]
+mod start;
+#[cfg(feature = "engine")]
+mod target;
+#[cfg(feature = "engine")]
+mod track;
+
+#[cfg(feature = "engine")]
+pub use beta::reachable_share_of;
+#[cfg(feature = "engine")]
+pub use error::RetargetError;
 pub use motion::{CameraMap, RobotMotion, SideReport};
+#[cfg(feature = "engine")]
+pub use params::{Beta, CameraAngles, CameraRotation, Cutoff, Pinch, RetargetParams, Smoothing, Weights};
+#[cfg(feature = "engine")]
+pub use score::{IkScore, score_ik};
+#[cfg(feature = "engine")]
+pub use stage::retarget;

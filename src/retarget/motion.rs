@@ -36,7 +36,8 @@ pub struct SideReport {
     pub error_position: f64,
     /// Wrist angle to target, radians.
     pub error_rotation: f64,
-    /// Smallest distance of a joint to one of its limits as a share of its range, 0 to 0.5.
+    /// Smallest distance of an arm joint to one of its limits as a share of its range, 0 to 0.5. Fingers are
+    /// left out: an open hand is at its limits.
     pub limit_margin: f64,
     /// Whether the target lies within reach.
     pub reachable: bool,
@@ -53,6 +54,9 @@ pub struct RobotMotion {
     pub alpha: f64,
     /// One a frame, in order.
     pub angles: Vec<JointAngles>,
+    /// q̂: as solved, before velocity limits and smoothing; one a frame.
+    #[serde(default)]
+    pub raw_angles: Vec<JointAngles>,
     /// One a frame and side.
     pub sides: PerSide<Vec<SideReport>>,
 }

@@ -40,9 +40,9 @@ impl JointLimits {
     /// `tolerance` radians; a NaN counts.
     pub fn velocity_violations(&self, before: &JointAngles, after: &JointAngles, tolerance: f64) -> usize {
         let moved = |i: usize| (after.0[i] - before.0[i]).abs();
-        // `<=` is false for NaN, so a NaN is counted.
+
         (0..ACTUATED_DOF)
-            .filter(|&index| !matches!(moved(index) <= self.step(index) + tolerance, true))
+            .filter(|&index| moved(index).is_nan() || moved(index) > self.step(index) + tolerance)
             .count()
     }
 
