@@ -1,7 +1,7 @@
 //! Clips: decode, standardise to 30 FPS, frame table, intrinsics.
 
 #[cfg(feature = "engine")]
-mod child;
+pub(crate) mod child;
 #[cfg(feature = "engine")]
 mod decode;
 mod error;

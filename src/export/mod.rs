@@ -1,1 +1,17 @@
-//! Video, record, masks, crops.
+//! Video, record, masks, crops: everything of a finished clip's folder.
+
+mod error;
+mod folder;
+pub mod overlay;
+mod pictures;
+mod record;
+mod video;
+
+pub use error::ExportError;
+pub use folder::{ClipFolder, check_id, write_json};
+pub use pictures::{object_crop, write_mask, write_rgb, write_rgba};
+pub use record::{
+    ArrayData, ArrayNote, HandLimits, NamedArray, Record, RecordClip, RecordDescription, RecordMeta,
+    write_npz,
+};
+pub use video::{VideoFacts, VideoWriter, video_facts};
