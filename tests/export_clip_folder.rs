@@ -241,9 +241,8 @@ fn masks_and_crops_become_pictures() {
     let mask = Mask::from_fn(size, |x, y| (5..9).contains(&x) && (2..6).contains(&y));
     let path = folder.path().join("m.png");
     write_mask(&path, &mask).unwrap();
-    let mut reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap()))
-        .read_info()
-        .unwrap();
+    let mut reader =
+        png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
     let mut data = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut data).unwrap();
     assert_eq!(data, mask.data());
