@@ -66,6 +66,7 @@ fn motion() -> RobotMotion {
     };
     let angles = |row: usize| JointAngles(std::array::from_fn(|j| (row + j) as f64 * 0.01));
     RobotMotion {
+        raw_angles: Vec::new(),
         map,
         alpha: 0.7,
         angles: (0..ROWS).map(angles).collect(),
