@@ -3,7 +3,7 @@
 use std::sync::Once;
 
 use opencv::{
-    core::{CV_8UC1, Mat, MatTraitConst, Size as CvSize},
+    core::{CV_8UC1, Mat, MatTraitConst, Size as CvSize, ToInputArray},
     imgproc,
 };
 
@@ -63,7 +63,7 @@ impl WorkScale {
     ///
     /// # Errors
     /// When OpenCV fails.
-    pub fn shrink(&self, picture: &Mat) -> opencv::Result<Mat> {
+    pub fn shrink(&self, picture: &(impl MatTraitConst + ToInputArray)) -> opencv::Result<Mat> {
         resized(picture, self.work, imgproc::INTER_AREA)
     }
 
@@ -88,7 +88,11 @@ impl WorkScale {
     }
 }
 
-fn resized(picture: &Mat, size: Size, interpolation: i32) -> opencv::Result<Mat> {
+fn resized(
+    picture: &(impl MatTraitConst + ToInputArray),
+    size: Size,
+    interpolation: i32,
+) -> opencv::Result<Mat> {
     if picture.cols() == size.width as i32 && picture.rows() == size.height as i32 {
         return picture.try_clone();
     }

@@ -5,6 +5,7 @@ use opencv::core::{Mat, MatTraitConstManual};
 use super::{
     cut::{Evidence, cut_frame},
     params::ArmParams,
+    plate::NEUTRAL,
     work_frame::WorkFrame,
 };
 use crate::vision::{FlowQuality, binary, dense_flow};
@@ -33,6 +34,9 @@ pub(super) fn carry(
     if prior_area < smallest || mean_inside(posterior, &prior)? < 70.0 {
         return Ok(None);
     }
+    // Without landmarks, standing still is no proof of being background.
+    let change = change.map(|c| binary::map2(c, c, |c, _| c.max(NEUTRAL))).transpose()?;
+    let change = change.as_ref();
     let evidence = Evidence { hands: &[], posterior, change, prior: Some(&prior), palm_width };
     let cut = cut_frame(to, &evidence, params)?;
     let believed = if binary::iou(&cut, &prior)? > 0.5 { cut } else { prior };

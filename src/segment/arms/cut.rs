@@ -2,7 +2,7 @@
 
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual};
 
-use super::{params::ArmParams, shape::HandShape, work_frame::WorkFrame};
+use super::{params::ArmParams, plate::UNKNOWN, shape::HandShape, work_frame::WorkFrame};
 use crate::vision::{binary, grab_cut};
 
 /// What speaks for arm on a frame.
@@ -35,7 +35,7 @@ fn regions(frame: &WorkFrame, evidence: &Evidence<'_>) -> opencv::Result<Regions
     for (hand, reach) in evidence.hands {
         hand.draw_core(&mut core, 0.2)?;
         hand.draw_hull(&mut hulls, 0.4)?;
-        hand.draw_cone(&mut cone, *reach)?;
+        hand.draw_cone(&mut cone, 80.0, *reach)?;
     }
     let mut allowed = binary::map2(&hulls, &cone, |a, b| a | b)?;
     if let Some(prior) = evidence.prior {
@@ -54,12 +54,15 @@ fn candidates(evidence: &Evidence<'_>, regions: &Regions, params: &ArmParams) ->
     let mut likely = binary::empty(regions.core.rows(), regions.core.cols())?;
     let colour = (255.0 * params.colour_threshold).round() as u8;
     let change_limit = params.change_threshold.clamp(0.0, 255.0) as u8;
+    let still_limit = params.still_threshold.clamp(0.0, 255.0) as u8;
     let posterior = evidence.posterior.data_bytes()?;
     let allowed = regions.allowed.data_bytes()?;
     let change = evidence.change.map(MatTraitConstManual::data_bytes).transpose()?;
     for (index, value) in likely.data_bytes_mut()?.iter_mut().enumerate() {
-        let changed = change.is_some_and(|c| c[index] > change_limit);
-        let likely = posterior[index] > colour || (changed && posterior[index] > 51);
+        let change = change.map_or(UNKNOWN, |change| change[index]);
+        let changed = change > change_limit && change != UNKNOWN;
+        let coloured = posterior[index] > colour && !(change < still_limit && posterior[index] < 250);
+        let likely = coloured || (changed && posterior[index] > 38);
         *value = if allowed[index] != 0 && likely { 255 } else { 0 };
     }
     likely = binary::map2(&likely, &regions.core, |a, b| a | b)?;
@@ -93,6 +96,15 @@ pub(super) fn cut_frame(
     for (seed, core) in seeds.data_bytes_mut()?.iter_mut().zip(regions.core.data_bytes()?) {
         if *core != 0 {
             *seed = grab_cut::SEED_FOREGROUND;
+        }
+    }
+    if let Some(change) = evidence.change {
+        // What looks exactly like the background behind it is background, whatever its colour.
+        let still = (0.5 * params.still_threshold).clamp(0.0, 255.0) as u8;
+        for (seed, change) in seeds.data_bytes_mut()?.iter_mut().zip(change.data_bytes()?) {
+            if *seed == grab_cut::SEED_PROBABLY_BACKGROUND && *change < still {
+                *seed = grab_cut::SEED_BACKGROUND;
+            }
         }
     }
     let cut = grab_cut::grab_cut(&frame.lab, &seeds, params.cut_iterations, 6)?;

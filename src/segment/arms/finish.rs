@@ -1,15 +1,18 @@
 //! From work masks to finished full-size masks: temporal median, edges, sides, quality.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use opencv::{
     core::{Mat, MatTraitConst, MatTraitConstManual},
     imgproc,
 };
 use rayon::prelude::*;
 
-use super::{ArmTrack, Clip, WorkMasks, decode, dropout::side_part, encode, work_frame::WorkFrame};
+use super::{ArmTrack, Clip, WorkMasks, decode, dropout::side_part, encode, runs, work_frame::WorkFrame};
 use crate::{
     clip::FrameIndex,
     geometry::{PerSide, Side},
+    image::Rgb8,
     segment::{MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask, SegmentError},
     vision::{FlowQuality, binary, dense_flow, refine_edges},
 };
@@ -23,20 +26,14 @@ struct Finished {
 pub(super) fn finished(clip: &Clip<'_>, masks: Vec<WorkMasks>) -> Result<ArmTrack, SegmentError> {
     let unions = masks.iter().map(|masks| union(clip, masks)).collect::<Result<Vec<_>, SegmentError>>()?;
     let areas: Vec<u64> = unions.iter().map(RleMask::area).collect();
-    let done = std::sync::atomic::AtomicUsize::new(clip.count());
-    let finished = (0..clip.count())
+    let done = AtomicUsize::new(clip.count());
+    let finished = runs(clip.count())
         .into_par_iter()
-        .map(|index| {
-            clip.watch.check()?;
-            let frame = finish(clip, &masks[index], &unions, &areas, index)?;
-            let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            clip.watch.advance(done, 2 * clip.count());
-            Ok(frame)
-        })
+        .map(|run| finish_run(clip, &masks, &unions, &areas, run, &done))
         .collect::<Result<Vec<_>, SegmentError>>()?;
     let mut sides: PerSide<Vec<RleMask>> = PerSide::default();
     let mut frames = Vec::with_capacity(finished.len());
-    for one in finished {
+    for one in finished.into_iter().flatten() {
         sides.left.push(one.sides.left);
         sides.right.push(one.sides.right);
         frames.push(one.frame);
@@ -57,34 +54,56 @@ fn union(clip: &Clip<'_>, masks: &WorkMasks) -> Result<RleMask, SegmentError> {
     Ok(encode(&all)?)
 }
 
+/// A run of frames, each read once.
+fn finish_run(
+    clip: &Clip<'_>,
+    masks: &[WorkMasks],
+    unions: &[RleMask],
+    areas: &[u64],
+    run: std::ops::Range<usize>,
+    done: &AtomicUsize,
+) -> Result<Vec<Finished>, SegmentError> {
+    let read = |index: usize| WorkFrame::read(clip.frames, FrameIndex(index as u32), &clip.scale);
+    let mut before = run.start.checked_sub(1).map(read).transpose()?;
+    let mut current = Some(read(run.start)?);
+    let mut finished = Vec::with_capacity(run.len());
+    for index in run {
+        clip.watch.check()?;
+        let after = if index + 1 < clip.count() { Some(read(index + 1)?) } else { None };
+        let Some((frame, picture)) = current.take() else { break };
+        let neighbours = [
+            neighbour(&frame, before.as_ref().map(|(f, _)| f), unions, index.wrapping_sub(1))?,
+            neighbour(&frame, after.as_ref().map(|(f, _)| f), unions, index + 1)?,
+        ];
+        finished.push(finish(clip, &masks[index], unions, areas, (index, &picture, neighbours))?);
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        clip.watch.advance(done, 2 * clip.count());
+        before = Some((frame, picture));
+        current = after;
+    }
+    Ok(finished)
+}
+
 /// A neighbour's mask carried onto `frame` along the flow; `None` beyond the clip's ends.
 fn neighbour(
-    clip: &Clip<'_>,
     frame: &WorkFrame,
+    other: Option<&WorkFrame>,
     unions: &[RleMask],
-    index: Option<usize>,
+    index: usize,
 ) -> Result<Option<Mat>, SegmentError> {
-    let Some(index) = index.filter(|index| *index < unions.len()) else { return Ok(None) };
+    let Some(other) = other else { return Ok(None) };
     let mask = decode(&unions[index])?;
     if binary::area(&mask)? == 0 {
         return Ok(Some(mask));
     }
-    let (other, _) = WorkFrame::read(clip.frames, FrameIndex(index as u32), &clip.scale)?;
     let flow = dense_flow(&frame.grey, &other.grey, FlowQuality::Fast)?;
     Ok(Some(flow.pull(&mask)?))
 }
 
 /// The median of the mask and its neighbours carried here, and its IoU with them.
-fn steadied(
-    clip: &Clip<'_>,
-    frame: &WorkFrame,
-    unions: &[RleMask],
-    index: usize,
-) -> Result<(Mat, f64), SegmentError> {
-    let own = decode(&unions[index])?;
-    let before = neighbour(clip, frame, unions, index.checked_sub(1))?;
-    let after = neighbour(clip, frame, unions, Some(index + 1))?;
-    let (Some(before), Some(after)) = (before, after) else { return Ok((own, 1.0)) };
+fn steadied(own: &RleMask, neighbours: [Option<Mat>; 2]) -> Result<(Mat, f64), SegmentError> {
+    let own = decode(own)?;
+    let [Some(before), Some(after)] = neighbours else { return Ok((own, 1.0)) };
     let agreed = binary::map2(&before, &after, |a, b| if a > 127 && b > 127 { 255 } else { 0 })?;
     let either = binary::map2(&before, &after, |a, b| if a > 127 || b > 127 { 255 } else { 0 })?;
     let overlap = binary::iou(&own, &agreed)?.max(binary::iou(&own, &either)?);
@@ -97,10 +116,9 @@ fn finish(
     masks: &WorkMasks,
     unions: &[RleMask],
     areas: &[u64],
-    index: usize,
+    (index, picture, neighbours): (usize, &Rgb8, [Option<Mat>; 2]),
 ) -> Result<Finished, SegmentError> {
-    let (frame, picture) = WorkFrame::read(clip.frames, FrameIndex(index as u32), &clip.scale)?;
-    let (steady, overlap) = steadied(clip, &frame, unions, index)?;
+    let (steady, overlap) = steadied(&unions[index], neighbours)?;
     let work_sides = split(clip, masks, &steady, index)?;
     let human = clip.human.get(&FrameIndex(index as u32));
     let picture = picture.to_mat()?;

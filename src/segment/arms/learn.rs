@@ -3,7 +3,7 @@
 use opencv::core::{Mat, MatTraitConst};
 use rayon::prelude::*;
 
-use super::{Clip, colour::ColourModel, cut::cut_frame, work_frame::WorkFrame};
+use super::{Clip, colour::ColourModel, cut::cut_frame, plate::UNKNOWN, work_frame::WorkFrame};
 use crate::{clip::FrameIndex, segment::SegmentError, vision::binary};
 
 /// Frames to learn from: those with hands or human masks, evenly spread.
@@ -40,7 +40,7 @@ pub(super) fn first_model(clip: &Clip<'_>, chosen: &[usize]) -> Result<ColourMod
         for (hand, reach) in &clip.hands[*index] {
             hand.draw_core(&mut core, 0.12)?;
             hand.draw_hull(&mut near, 0.8)?;
-            hand.draw_cone(&mut near, *reach)?;
+            hand.draw_cone(&mut near, 80.0, *reach)?;
         }
         let core = binary::eroded(&core, 1)?;
         let far = binary::map2(&near, &near, |near, _| if near == 0 { 255 } else { 0 })?;
@@ -90,7 +90,11 @@ fn learn_from_mask(
     let near = binary::dilated(mask, (0.25 * palm_width).round().clamp(3.0, 12.0) as i32)?;
     let mut outside = binary::map2(&near, &near, |near, _| if near == 0 { 255 } else { 0 })?;
     if let Some(change) = change {
-        outside = binary::map2(&outside, change, |outside, change| if change > 40 { 0 } else { outside })?;
+        outside = binary::map2(
+            &outside,
+            change,
+            |outside, change| if change > 40 && change != UNKNOWN { 0 } else { outside },
+        )?;
     }
     model.learn(frame, &inside, &outside)
 }

@@ -14,7 +14,7 @@ mod work_frame;
 
 use std::collections::BTreeMap;
 
-use opencv::core::{Mat, MatTraitConst};
+use opencv::core::{Mat, MatTrait, MatTraitConst};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ use super::{MaskTrack, RleMask, SegmentError};
 use crate::{
     clip::{FrameIndex, FrameSource},
     geometry::{PerSide, Side},
-    landmarks::LandmarkTrack,
+    landmarks::{HandLandmarks, LandmarkTrack},
     progress::Watch,
     vision::{self, WorkScale, binary},
 };
@@ -99,6 +99,8 @@ struct Clip<'a> {
     /// Hands of each frame with how far their forearms may reach, work pixels.
     hands: Vec<Vec<(HandShape, f64)>>,
     sides: Vec<PerSide<Option<HandShape>>>,
+    /// Hands seen at once, at most.
+    most_hands: usize,
     palm_width: f64,
     plate: Option<Plate>,
 }
@@ -126,19 +128,19 @@ impl<'a> Clip<'a> {
             return Err(mismatch("a human arm mask", human.len(), mask.size()));
         }
         let scale = WorkScale::fit(size, params.work_size);
-        let sides: Vec<PerSide<Option<HandShape>>> = landmarks
-            .iter()
-            .map(|frame| PerSide::from_fn(|side| HandShape::new(frame[side].as_ref()?, &scale)))
-            .collect();
+        let sides: Vec<PerSide<Option<HandShape>>> =
+            landmarks.iter().map(|frame| distinct_hands(frame, &scale)).collect();
         let reach = Reach::of(&sides, &scale);
-        let hands = sides
+        let hands: Vec<Vec<(HandShape, f64)>> = sides
             .iter()
             .map(|frame| {
                 frame.iter().filter_map(|(_, hand)| hand.clone()).map(|h| (h, reach.pixels)).collect()
             })
             .collect();
+        let most_hands = hands.iter().map(Vec::len).max().unwrap_or(0);
         let palm_width = reach.palm_width;
-        Ok(Self { frames, human, params, watch, scale, hands, sides, palm_width, plate: None })
+        let plate = None;
+        Ok(Self { frames, human, params, watch, scale, hands, sides, most_hands, palm_width, plate })
     }
 
     fn count(&self) -> usize {
@@ -182,26 +184,45 @@ impl<'a> Clip<'a> {
 
     /// Aligns the background now that `table` tells roughly where arms are.
     fn align(&mut self, table: &[u8]) -> Result<(), SegmentError> {
-        let hidden = |index: usize| self.hidden(index, table).ok().flatten();
-        self.plate = Some(Plate::build(self.frames, &self.scale, &hidden, self.watch)?);
+        self.plate = Some(Plate::build(self, table)?);
         Ok(())
     }
 
-    /// A cheap guess at what is not background: hand hulls and likely colours in reach of a hand.
-    fn hidden(&self, index: usize, table: &[u8]) -> Result<Option<RleMask>, SegmentError> {
-        if self.hands[index].is_empty() {
-            return Ok(None);
-        }
-        let (frame, _) = WorkFrame::read(self.frames, FrameIndex(index as u32), &self.scale)?;
+    /// A cheap guess at what is not background: [`plate::HIDDEN`] in hand hulls and on likely colours
+    /// in reach of a hand, [`plate::DOUBTFUL`] wherever else an arm could be, 0 elsewhere.
+    fn hidden(&self, index: usize, frame: &WorkFrame, table: &[u8]) -> opencv::Result<Mat> {
         let mut near = binary::empty(frame.grey.rows(), frame.grey.cols())?;
         let mut hulls = near.try_clone()?;
+        if self.hands[index].len() < self.most_hands {
+            // The estimator missed a hand: it may be anywhere.
+            near.set_to(&opencv::core::Scalar::all(255.0), &opencv::core::no_array())?;
+        }
         for (hand, reach) in &self.hands[index] {
-            hand.draw_cone(&mut near, *reach)?;
+            hand.draw_cone(&mut near, 80.0, *reach)?;
             hand.draw_hull(&mut hulls, 0.2)?;
         }
-        let likely = binary::map2(&near, &frame.posterior(table)?, |near, p| if p > 127 { near } else { 0 })?;
-        Ok(Some(encode(&binary::map2(&hulls, &likely, |a, b| a | b)?)?))
+        let grade = |near: u8, posterior: u8| match (near != 0, posterior > 127) {
+            (true, true) => plate::HIDDEN,
+            (true, false) => plate::DOUBTFUL,
+            _ => 0,
+        };
+        let graded = binary::map2(&near, &frame.posterior(table)?, grade)?;
+        binary::map2(&hulls, &graded, |hull, grade| if hull != 0 { plate::HIDDEN } else { grade })
     }
+}
+
+/// The hands of a frame; of one hand found twice, the surer.
+fn distinct_hands(frame: &PerSide<Option<HandLandmarks>>, scale: &WorkScale) -> PerSide<Option<HandShape>> {
+    let mut hands = PerSide::from_fn(|side| HandShape::new(frame[side].as_ref()?, scale));
+    if let (Some(left), Some(right)) = (&hands.left, &hands.right)
+        && left.is_same_as(right)
+    {
+        let confidence = |side: Side| frame[side].as_ref().map_or(0.0, |hand| hand.confidence);
+        let doubtful =
+            if confidence(Side::Left) < confidence(Side::Right) { Side::Left } else { Side::Right };
+        hands[doubtful] = None;
+    }
+    hands
 }
 
 /// How far forearms may reach from the wrist, over the whole clip.
@@ -228,6 +249,14 @@ impl Reach {
         Self { pixels: if outside_view { 1.6 * length } else { scale.work.diagonal() }, palm_width }
     }
 }
+
+/// Runs of consecutive frames that one thread walks through, reading each frame once.
+fn runs(count: usize) -> Vec<std::ops::Range<usize>> {
+    (0..count).step_by(RUN).map(|start| start..(start + RUN).min(count)).collect()
+}
+
+/// Frames a run: results do not depend on it, memory and balance do.
+const RUN: usize = 16;
 
 fn encode(mask: &Mat) -> opencv::Result<RleMask> {
     Ok(RleMask::encode(&crate::image::Mask::from_mat(mask)?))

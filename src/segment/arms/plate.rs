@@ -7,16 +7,23 @@ use opencv::{
 };
 use rayon::prelude::*;
 
-use super::work_frame::WorkFrame;
+use super::{Clip, runs, work_frame::WorkFrame};
 use crate::{
-    clip::{FrameIndex, FrameSource},
-    progress::Watch,
-    segment::{RleMask, SegmentError},
-    vision::{BackgroundMotion, WorkScale, background_motion, binary},
+    clip::FrameIndex,
+    segment::SegmentError,
+    vision::{BackgroundMotion, background_motion, binary},
 };
 
 /// Samples that one plate is the median of.
 const SAMPLES: usize = 9;
+/// In a sample: an arm is there.
+pub(super) const HIDDEN: u8 = 255;
+/// In a sample: an arm could be there, so the sample cannot prove that a pixel is background.
+pub(super) const DOUBTFUL: u8 = 128;
+/// The smallest change reported where only doubtful samples exist: evidence for neither side.
+pub(super) const NEUTRAL: u8 = 15;
+/// The change where the background was never seen.
+pub(super) const UNKNOWN: u8 = 255;
 /// Key frames over the whole clip.
 const KEYFRAMES: usize = 40;
 
@@ -30,56 +37,35 @@ pub(super) struct Plate {
 struct Keyframe {
     index: usize,
     lab: Mat,
-    /// Where arms were found so far, grown.
+    /// [`HIDDEN`], [`DOUBTFUL`] or 0.
     hidden: Mat,
 }
 
 impl Plate {
-    /// Aligns the clip at work scale. `arms` are the first masks at work scale, where there are any.
-    pub fn build(
-        frames: &dyn FrameSource,
-        scale: &WorkScale,
-        arms: &(dyn Fn(usize) -> Option<RleMask> + Sync),
-        watch: &dyn Watch,
-    ) -> Result<Self, SegmentError> {
-        let count = frames.frame_count();
-        let steps: Vec<Option<BackgroundMotion>> = (1..count)
+    /// Aligns the clip at work scale; `table` is the colour model so far.
+    pub fn build(clip: &Clip<'_>, table: &[u8]) -> Result<Self, SegmentError> {
+        let stride = clip.count().div_ceil(KEYFRAMES).max(1);
+        let parts = runs(clip.count())
             .into_par_iter()
-            .map(|index| {
-                watch.check()?;
-                let (now, _) = WorkFrame::read(frames, FrameIndex(index as u32), scale)?;
-                let (before, _) = WorkFrame::read(frames, FrameIndex(index as u32 - 1), scale)?;
-                let exclude = arms(index).map(|mask| mask.decode().to_mat()).transpose()?;
-                Ok(background_motion(&now.grey, &before.grey, exclude.as_ref())?)
-            })
-            .collect::<Result<_, SegmentError>>()?;
-        let mut placed = vec![(0, Matrix3::identity())];
-        for step in steps {
-            let (run, to_first) = placed[placed.len() - 1];
-            placed.push(match step {
-                Some(motion) => (run, to_first * motion.homography),
-                None => (run + 1, Matrix3::identity()),
-            });
-        }
-        let stride = count.div_ceil(KEYFRAMES).max(1);
-        let keyframes = (0..count)
-            .step_by(stride)
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|index| {
-                let (frame, _) = WorkFrame::read(frames, FrameIndex(index as u32), scale)?;
-                let hidden = match arms(index) {
-                    Some(mask) => binary::dilated(&mask.decode().to_mat()?, 5)?,
-                    None => binary::empty(frame.grey.rows(), frame.grey.cols())?,
-                };
-                Ok(Keyframe { index, lab: frame.lab, hidden })
-            })
+            .map(|run| align_run(clip, table, run, stride))
             .collect::<Result<Vec<_>, SegmentError>>()?;
+        let mut placed: Vec<(usize, Matrix3<f64>)> = Vec::with_capacity(clip.count());
+        let mut keyframes = Vec::new();
+        for part in parts {
+            for step in part.steps {
+                placed.push(match (placed.last(), step) {
+                    (Some((run, to_first)), Some(motion)) => (*run, to_first * motion.homography),
+                    (Some((run, _)), None) => (run + 1, Matrix3::identity()),
+                    (None, _) => (0, Matrix3::identity()),
+                });
+            }
+            keyframes.extend(part.keyframes);
+        }
         Ok(Self { placed, keyframes })
     }
 
-    /// Lab distance of `frame` from the median of aligned key frames, CV_8UC1; zero where no key
-    /// frame saw the background.
+    /// Lab distance of `frame` from the median of aligned key frames, CV_8UC1, at most 254;
+    /// [`UNKNOWN`] where fewer than two key frames saw the background.
     pub fn change(&self, index: usize, frame: &WorkFrame) -> opencv::Result<Mat> {
         let samples = self.samples(index)?;
         let (rows, cols) = (frame.grey.rows(), frame.grey.cols());
@@ -91,16 +77,18 @@ impl Plate {
         let pixels = frame.pixels()?;
         for (position, value) in change.data_bytes_mut()?.iter_mut().enumerate() {
             let mut seen = [[0_u8; SAMPLES]; 3];
-            let mut count = 0;
+            let (mut count, mut certain) = (0, 0);
             for (lab, hidden) in &labs {
-                if hidden[position] == 0 {
+                if hidden[position] != HIDDEN {
                     for channel in 0..3 {
                         seen[channel][count] = lab[position][channel];
                     }
                     count += 1;
+                    certain += usize::from(hidden[position] == 0);
                 }
             }
             if count < 2 {
+                *value = UNKNOWN;
                 continue;
             }
             let mut squared = 0.0;
@@ -110,7 +98,8 @@ impl Plate {
                 let median = f32::from(values[count / 2]);
                 squared += (f32::from(pixels[position][channel]) - median).powi(2);
             }
-            *value = squared.sqrt().min(255.0) as u8;
+            let difference = squared.sqrt().min(254.0) as u8;
+            *value = if certain < 2 { difference.max(NEUTRAL) } else { difference };
         }
         Ok(change)
     }
@@ -132,6 +121,43 @@ impl Plate {
         }
         Ok(samples)
     }
+}
+
+/// What one run of frames adds.
+struct Aligned {
+    /// The background's motion from each frame to the one before.
+    steps: Vec<Option<BackgroundMotion>>,
+    keyframes: Vec<Keyframe>,
+}
+
+fn align_run(
+    clip: &Clip<'_>,
+    table: &[u8],
+    run: std::ops::Range<usize>,
+    stride: usize,
+) -> Result<Aligned, SegmentError> {
+    let read =
+        |index: usize| WorkFrame::read(clip.frames, FrameIndex(index as u32), &clip.scale).map(|(f, _)| f);
+    let mut before = run.start.checked_sub(1).map(read).transpose()?;
+    let mut aligned = Aligned { steps: Vec::new(), keyframes: Vec::new() };
+    for index in run {
+        clip.watch.check()?;
+        let frame = read(index)?;
+        let hidden = binary::dilated(&clip.hidden(index, &frame, table)?, 4)?;
+        let step = match &before {
+            Some(before) => {
+                let arms = binary::map2(&hidden, &hidden, |grade, _| u8::from(grade == HIDDEN))?;
+                background_motion(&frame.grey, &before.grey, Some(&arms))?
+            }
+            None => None,
+        };
+        aligned.steps.push(step);
+        if index % stride == 0 {
+            aligned.keyframes.push(Keyframe { index, lab: frame.lab.try_clone()?, hidden });
+        }
+        before = Some(frame);
+    }
+    Ok(aligned)
 }
 
 /// The key frame as seen from the frame whose pixels `motion` takes to it; hidden where unseen.

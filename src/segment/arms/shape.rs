@@ -85,9 +85,9 @@ impl HandShape {
         imgproc::polylines(mask, &outline, true, WHITE, thickness, imgproc::LINE_8, 0)
     }
 
-    /// Draws where the forearm may be: within 80° of its direction as seen from the wrist, at most
-    /// `reach` pixels away.
-    pub fn draw_cone(&self, mask: &mut Mat, reach: f64) -> opencv::Result<()> {
+    /// Draws where the forearm may be: within `half_angle` degrees of its direction as seen from
+    /// the wrist, at most `reach` pixels away.
+    pub fn draw_cone(&self, mask: &mut Mat, half_angle: f64, reach: f64) -> opencv::Result<()> {
         let cols = mask.cols() as usize;
         let wrist = self.wrist();
         // The apex lies within the palm, so that the cone's mouth is as wide as the wrist.
@@ -95,7 +95,7 @@ impl HandShape {
             wrist.x - 0.3 * self.palm_width * self.towards_arm.x,
             wrist.y - 0.3 * self.palm_width * self.towards_arm.y,
         );
-        let cosine = 80.0_f64.to_radians().cos();
+        let cosine = half_angle.to_radians().cos();
         for (index, value) in mask.data_bytes_mut()?.iter_mut().enumerate() {
             let (dx, dy) = ((index % cols) as f64 - apex.x, (index / cols) as f64 - apex.y);
             let distance = dx.hypot(dy);
@@ -118,6 +118,13 @@ impl HandShape {
             ((edge - position) / direction).max(0.0)
         };
         along(wrist.x, d.x, width).min(along(wrist.y, d.y, height))
+    }
+
+    /// Whether `other` is the same hand found twice.
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        let pairs = self.points.iter().zip(&other.points);
+        let mean = pairs.map(|(a, b)| a.distance(*b)).sum::<f64>() / KEYPOINT_COUNT as f64;
+        mean < 0.6 * self.palm_width.min(other.palm_width)
     }
 
     /// Share of the core that `mask` covers.

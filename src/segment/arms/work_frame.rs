@@ -1,7 +1,7 @@
 //! One frame at work scale, in the colour spaces that the arm masks need.
 
 use opencv::{
-    core::{Mat, MatTraitConstManual},
+    core::{Mat, MatTraitConstManual, Vec3b},
     imgproc,
 };
 
@@ -29,7 +29,10 @@ impl WorkFrame {
         scale: &WorkScale,
     ) -> Result<(Self, Rgb8), SegmentError> {
         let picture = frames.frame(index)?;
-        let small = scale.shrink(&picture.to_mat()?)?;
+        let (rows, cols) = (picture.size().height as i32, picture.size().width as i32);
+        let borrowed = Mat::new_rows_cols_with_bytes::<Vec3b>(rows, cols, picture.data())?;
+        let small = scale.shrink(&borrowed)?;
+        drop(borrowed);
         let mut soft = Mat::default();
         let kernel = opencv::core::Size::new(3, 3);
         imgproc::gaussian_blur(&small, &mut soft, kernel, 0.8, 0.8, opencv::core::BORDER_REPLICATE)?;
