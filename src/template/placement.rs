@@ -207,8 +207,13 @@ fn measure(
     };
     let affine = if params.affine { 1.0 } else { 0.0 };
     let loose = AlignPrior { shift: 0.4, scale: 0.05, rotation: 0.1, affine: 0.0, perspective: 0.0 };
-    let tight =
-        AlignPrior { shift: 0.12, scale: 0.03, rotation: 0.05, affine: 0.02 * affine, perspective: 0.0 };
+    let tight = AlignPrior {
+        shift: 0.12,
+        scale: 0.03,
+        rotation: 0.05,
+        affine: 0.08 * affine,
+        perspective: 0.03 * affine,
+    };
     let coarse = align(&[outline(&wide_mask)], &(into * predicted), key.centre, key.radius, &loose, 6);
     let from = |start: &Matrix3<f64>| {
         align(&[texture_ref(&texture), outline(&soft_mask)], start, key.centre, key.radius, &tight, 12)

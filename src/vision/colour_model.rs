@@ -74,10 +74,10 @@ fn smooth_axis(bins: &mut [f32], count: usize, stride: usize) {
     }
 }
 
-/// `ln(f / b)` with both floored, so that colours nobody has seen say nothing.
+/// `ln(f / b)` with both floored: colours nobody has seen lean to the background, as mixtures along
+/// borders do.
 pub fn log_odds(foreground: f32, background: f32) -> f32 {
-    let floor = 2e-5;
-    ((foreground + floor) / (background + floor)).ln()
+    ((foreground + 1.2e-5) / (background + 2e-5)).ln()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     segment::SegmentError,
-    vision::{AlignPoint, ColourModel, Plane},
+    vision::{AlignPoint, Plane},
 };
 
 /// A frame on which the object's whole shape is known, cropped around it.
@@ -101,11 +101,6 @@ impl Keyframe {
             bounds = (bounds.0.min(p.0), bounds.1.min(p.1), bounds.2.max(p.0), bounds.3.max(p.1));
         }
         bounds
-    }
-
-    /// Colours inside the shape on its own frame.
-    pub fn colours(view: &View, shape: &[u8]) -> Option<ColourModel> {
-        ColourModel::learn(view.lab.iter().zip(shape).filter(|(_, s)| **s != 0).map(|(lab, _)| (*lab, 1.0)))
     }
 }
 

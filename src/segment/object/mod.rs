@@ -6,9 +6,11 @@
 //! shape gives the visible part. Sweeps that meet between two prompts are blended.
 
 mod evidence;
+mod guess;
 mod keyframe;
 mod motion;
 mod params;
+mod rating;
 mod seed;
 mod shape;
 mod step;
@@ -139,7 +141,7 @@ fn seeds(
     let mut seeds = Vec::new();
     for (index, kind) in prompts {
         let view = Arc::new(scene.view(*index)?);
-        let Some(shape) = seed::seed_shape(scene, &view, kind)? else { continue };
+        let Some(shape) = seed::seed_shape(scene, &view, *index, kind)? else { continue };
         if let Some(state) = State::seed(view, shape)? {
             seeds.push((*index, state));
         }

@@ -3,11 +3,14 @@
 use opencv::core::{Mat, MatTraitConstManual};
 
 use super::{
+    guess,
     params::PromptKind,
+    rating,
     shape::{byte_mat, fill_holes, keep_components, signed_distance},
     view::{Roi, Scene, View, arm},
 };
 use crate::{
+    clip::FrameIndex,
     geometry::{Pixel, PixelBox},
     segment::SegmentError,
     vision::{ColourModel, EdgeWeights, Plane, grab_cut, log_odds, tv_cut},
@@ -18,6 +21,7 @@ use crate::{
 pub(crate) fn seed_shape(
     scene: &Scene<'_>,
     view: &View,
+    frame: FrameIndex,
     kind: &PromptKind,
 ) -> Result<Option<Vec<u8>>, SegmentError> {
     let shape = match kind {
@@ -25,31 +29,49 @@ pub(crate) fn seed_shape(
             let shrunk = scene.scale.shrink_mask(&mask.decode().to_mat()?)?;
             shrunk.data_bytes()?.iter().map(|v| u8::from(*v != 0)).collect()
         }
-        PromptKind::Box(bounds) => from_box(scene, view, bounds)?,
+        PromptKind::Box(bounds) => from_box(scene, view, frame, bounds)?,
         PromptKind::Points { positive, negative } => from_points(scene, view, positive, negative)?,
     };
     Ok(shape.contains(&1).then_some(shape))
 }
 
 /// What is known before any colour: where the object may be and where it hardly is.
-struct Hints {
-    roi: Roi,
+pub(super) struct Hints {
+    pub roi: Roi,
     /// 0 impossible, 1 certain, 2 unlikely, 3 likely: GrabCut's seed values.
     seeds: Vec<u8>,
     /// Log-odds of place alone.
     place: Vec<f32>,
     /// Where a component must reach to be kept.
     anchor: Vec<bool>,
+    /// The box in the rectangle's pixels `(x0, y0, x1, y1)`, where there is one.
+    pub bounds: Option<(f64, f64, f64, f64)>,
+    /// First guesses of the shape, 0 or 1.
+    guesses: Vec<Vec<u8>>,
+    /// Pixels that move otherwise than the background, where that says anything, 0 or 1.
+    pub moving: Option<Vec<u8>>,
 }
 
-fn from_box(scene: &Scene<'_>, view: &View, bounds: &PixelBox) -> Result<Vec<u8>, SegmentError> {
+impl Hints {
+    fn new(roi: Roi) -> Self {
+        let (seeds, place, anchor, guesses) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { roi, seeds, place, anchor, bounds: None, guesses, moving: None }
+    }
+}
+
+fn from_box(
+    scene: &Scene<'_>,
+    view: &View,
+    frame: FrameIndex,
+    bounds: &PixelBox,
+) -> Result<Vec<u8>, SegmentError> {
     let low = scene.scale.to_work(Pixel::new(bounds.x0, bounds.y0));
     let high = scene.scale.to_work(Pixel::new(bounds.x1, bounds.y1));
     let (width, height) = (high.x - low.x, high.y - low.y);
     let margin = (0.35 * width.max(height)).max(14.0);
     let roi = Roi::around((low.x, low.y, high.x, high.y), margin, view.width, view.height);
     let classes = roi.crop(&view.arms, view.width);
-    let mut hints = Hints { roi, seeds: Vec::new(), place: Vec::new(), anchor: Vec::new() };
+    let mut hints = Hints::new(roi);
     for (at, class) in classes.iter().enumerate() {
         let x = (at % roi.width + roi.x) as f64;
         let y = (at / roi.width + roi.y) as f64;
@@ -74,11 +96,17 @@ fn from_box(scene: &Scene<'_>, view: &View, bounds: &PixelBox) -> Result<Vec<u8>
         } else if !inside {
             -2.0
         } else {
-            0.8 - 0.8 * corner
+            0.4 - 0.4 * corner
         };
         hints.place.push(place);
         hints.anchor.push(inside && middle);
     }
+    let (left, top) = (roi.x as f64, roi.y as f64);
+    let inner = (low.x - left, low.y - top, high.x - left, high.y - top);
+    hints.bounds = Some(inner);
+    hints.guesses = guess::inside_box(&roi, inner);
+    hints.moving = guess::moving(scene, view, frame, &roi, inner)?;
+    hints.guesses.extend(hints.moving.clone());
     cut_from_hints(scene, view, &hints)
 }
 
@@ -99,7 +127,7 @@ fn from_points(
     let classes = roi.crop(&view.arms, view.width);
     let nearest =
         |points: &[Pixel], p: Pixel| points.iter().map(|q| q.distance(p)).fold(f64::INFINITY, f64::min);
-    let mut hints = Hints { roi, seeds: Vec::new(), place: Vec::new(), anchor: Vec::new() };
+    let mut hints = Hints::new(roi);
     for (at, class) in classes.iter().enumerate() {
         let p = Pixel::new((at % roi.width + roi.x) as f64, (at / roi.width + roi.y) as f64);
         let (on, off) = (nearest(&positive, p), nearest(&negative, p));
@@ -121,22 +149,52 @@ fn from_points(
         hints.place.push(place);
         hints.anchor.push(on < 4.0);
     }
+    hints.guesses = vec![hints.seeds.iter().map(|seed| seed & 1).collect()];
     cut_from_hints(scene, view, &hints)
 }
 
-/// GrabCut for a start, then convex cuts with histograms learned from the cut itself.
+/// Several first guesses of the shape inside a box, each grown into a full cut; the best one wins.
 fn cut_from_hints(scene: &Scene<'_>, view: &View, hints: &Hints) -> Result<Vec<u8>, SegmentError> {
+    let mut best: Option<(f64, Vec<u8>)> = None;
+    for guess in &hints.guesses {
+        let shape = grow(scene, view, hints, guess)?;
+        let score = rating::rate(view, hints, &shape)?;
+        if best.as_ref().is_none_or(|(other, _)| score > *other) {
+            best = Some((score, shape));
+        }
+    }
+    let shape = best.map_or_else(Vec::new, |(_, shape)| shape);
+    let (width, roi) = (hints.roi.width, &hints.roi);
+    let mut full = vec![0; view.width * view.height];
+    for (at, value) in shape.iter().enumerate() {
+        full[(at / width + roi.y) * view.width + at % width + roi.x] = *value;
+    }
+    Ok(full)
+}
+
+/// GrabCut from a guess, then convex cuts with histograms learned from the cut itself.
+fn grow(scene: &Scene<'_>, view: &View, hints: &Hints, guess: &[u8]) -> Result<Vec<u8>, SegmentError> {
     let roi = &hints.roi;
     let (width, height) = (roi.width, roi.height);
+    let seeds: Vec<u8> = hints
+        .seeds
+        .iter()
+        .zip(guess)
+        .map(|(seed, inside)| match *seed {
+            grab_cut::SEED_PROBABLY_FOREGROUND if *inside == 0 => grab_cut::SEED_PROBABLY_BACKGROUND,
+            seed => seed,
+        })
+        .collect();
     let picture = roi.crop_mat(&view.rgb)?;
-    let seeds = seed_mat(&hints.seeds, width, height)?;
-    let first = grab_cut::grab_cut(&picture, &seeds, 5, width.max(height) as i32)?;
+    let first = grab_cut::grab_cut(&picture, &seed_mat(&seeds, width, height)?, 4, width.max(height) as i32)?;
     let mut shape: Vec<u8> = first.data_bytes()?.iter().map(|v| u8::from(*v != 0)).collect();
-    let likely = hints.seeds.iter().filter(|s| **s & 1 == 1).count();
+    let likely = seeds.iter().filter(|s| **s & 1 == 1).count();
     if (shape.iter().filter(|v| **v != 0).count() as f64) < 0.12 * likely as f64 {
-        // GrabCut found nothing that stands out: begin with the place alone.
-        shape = hints.place.iter().map(|p| u8::from(*p > 0.0)).collect();
+        // GrabCut found nothing that stands out: begin with the guess alone.
+        shape = seeds.iter().map(|s| s & 1).collect();
     }
+    let guessed = signed_distance(guess, width, height)?;
+    let reach = (0.12 * (likely as f32).sqrt()).max(3.0);
     let lab = roi.crop(&view.lab, view.width);
     let classes = roi.crop(&view.arms, view.width);
     let edges = EdgeWeights::from_colours(&lab, width, height, scene.params.smoothness as f32);
@@ -154,7 +212,8 @@ fn cut_from_hints(scene: &Scene<'_>, view: &View, hints: &Hints) -> Result<Vec<u
         let cost: Vec<f32> = (0..lab.len())
             .map(|at| {
                 let (f, b) = (object.likelihood(lab[at]), around.likelihood(lab[at]));
-                let mut logit = log_odds(f, b).clamp(-2.5, 2.5) + hints.place[at];
+                let place = hints.place[at] + 0.6 * (guessed.data[at] / reach).clamp(-1.5, 1.5);
+                let mut logit = log_odds(f, b).clamp(-2.5, 2.5) + place;
                 if let Some(arms) = &scene.arm_colours {
                     let skin = log_odds(arms.likelihood(lab[at]), f).clamp(-2.8, 2.8);
                     let covered = match classes[at] {
@@ -170,15 +229,11 @@ fn cut_from_hints(scene: &Scene<'_>, view: &View, hints: &Hints) -> Result<Vec<u
             .collect();
         let start = shape.iter().map(|v| f32::from(*v)).collect();
         let mut u = Plane { width, height, data: start };
-        tv_cut(&mut u, &cost, &edges, 150);
+        tv_cut(&mut u, &cost, &edges, 120);
         shape = u.data.iter().map(|v| u8::from(*v > 0.5)).collect();
         tidy(&mut shape, hints)?;
     }
-    let mut full = vec![0; view.width * view.height];
-    for (at, value) in shape.iter().enumerate() {
-        full[(at / width + roi.y) * view.width + at % width + roi.x] = *value;
-    }
-    Ok(full)
+    Ok(shape)
 }
 
 fn tidy(shape: &mut [u8], hints: &Hints) -> Result<(), SegmentError> {

@@ -56,10 +56,15 @@ impl State {
     /// The state on an annotated frame; `None` when `shape` is empty or has no surroundings.
     pub fn seed(view: Arc<View>, shape: Vec<u8>) -> Result<Option<Self>, SegmentError> {
         let Some(key) = Keyframe::new(&view, &shape)? else { return Ok(None) };
-        let object = Keyframe::colours(&view, &shape);
         let roi = Roi::around(key.bounds(&Matrix3::identity()), surround(&key), view.width, view.height);
         let cropped = roi.crop(&shape, view.width);
         let distance = signed_distance(&cropped, roi.width, roi.height)?;
+        let lab = roi.crop(&view.lab, view.width);
+        let interior = |least: f32| {
+            let samples = lab.iter().zip(&distance.data).filter(move |(_, d)| **d > least);
+            ColourModel::learn(samples.map(|(lab, _)| (*lab, 1.0)))
+        };
+        let object = interior(1.0).or_else(|| interior(0.0));
         let around = learn_surroundings(&view, &roi, &distance, 2.0, surround(&key) as f32);
         let (Some(object), Some(around)) = (object, around) else { return Ok(None) };
         let root_area = key.area;
@@ -101,7 +106,9 @@ pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Resu
     let count = |bytes: &[u8]| bytes.iter().filter(|v| **v != 0).count() as f64;
     let (whole, exposed, found) = (count(&placed_bytes), count(&expected), count(&cut));
     let lab = roi.crop(&view.lab, view.width);
-    let inside = lab.iter().zip(&cut).filter(|(_, c)| **c != 0).map(|(lab, _)| (*lab, 1.0));
+    let depth = signed_distance(&cut, roi.width, roi.height)?;
+    // Pixels on the border are mixtures: they teach nothing.
+    let inside = lab.iter().zip(&depth.data).filter(|(_, d)| **d > 1.0).map(|(lab, _)| (*lab, 1.0));
     let seen_colours = ColourModel::learn(inside);
     let measures = Measures {
         agreement,
@@ -199,7 +206,7 @@ fn refine(
         strength: 40.0,
         photometric: false,
     };
-    let prior = AlignPrior { shift: 0.12, scale: 0.025, rotation: 0.04, affine: 0.015, perspective: 0.0 };
+    let prior = AlignPrior { shift: 0.12, scale: 0.025, rotation: 0.04, affine: 0.035, perspective: 0.01 };
     let found = align(&[texture, outline], &(back * predicted), key.centre, key.radius, &prior, 12);
     Ok((shift * found.transform, found.agreement))
 }
