@@ -1,6 +1,6 @@
-//! Renders the embedded robot, or an MJCF file, as its own camera or a bystander sees it.
+//! Renders the embedded robot, or a URDF file as `robot import` takes it, as its own camera or a bystander sees it.
 //!
-//! `cargo run --example look_at_robot -- OUT.png [MODEL.xml] [--view head|side|hand] [--grey 0..255] [--close 0..1]`
+//! `cargo run --example look_at_robot -- OUT.png [MODEL.urdf] [--view head|side|hand] [--grey 0..255] [--close 0..1]`
 //! `cargo run --example look_at_robot -- --mjcf OUT.xml` writes the embedded model as one MJCF document.
 //!
 //! With `--view head` the layers of the pipeline are shown over a plain background; the others look at the robot
@@ -12,7 +12,7 @@ use agenticfocus::{
     geometry::{PerSide, Pinhole, Size},
     render::{LayerRequest, NearParts, RobotRenderParams, RobotRenderer},
     retarget::CameraMap,
-    robot::{JointAngles, RobotAsset, RobotModel},
+    robot::{JointAngles, RobotModel, import},
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let out = out.ok_or("where should the picture go?")?;
     let robot = match model {
-        Some(path) => load(&path)?,
+        Some(path) => import(&path, tempfile::tempdir()?.path())?.load()?,
         None => RobotModel::embedded()?,
     };
     let size = Size::new(640, 480);
@@ -64,21 +64,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     save(&out, size, &picture)?;
     Ok(())
-}
-
-fn load(path: &std::path::Path) -> Result<RobotModel, Box<dyn Error>> {
-    let folder = path.parent().unwrap_or(std::path::Path::new("."));
-    let xml = std::fs::read_to_string(path)?;
-    let meshdir = xml.split("meshdir=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap_or("");
-    let mut assets = Vec::new();
-    for entry in std::fs::read_dir(folder.join(meshdir))?.flatten() {
-        if entry.path().is_file() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            assets.push(RobotAsset { name, bytes: std::fs::read(entry.path())? });
-        }
-    }
-    let xml = xml.replace(&format!("meshdir=\"{meshdir}\""), "");
-    Ok(RobotModel::from_mjcf(xml, &assets)?)
 }
 
 /// Hands in front of the body, fingers closed by `close`.

@@ -9,6 +9,8 @@ mod embedded;
 #[cfg(feature = "engine")]
 mod error;
 #[cfg(feature = "engine")]
+mod import;
+#[cfg(feature = "engine")]
 mod limits;
 #[cfg(feature = "engine")]
 mod loft;
@@ -26,6 +28,8 @@ pub use command::{ACTUATED_DOF, ARM_DOF, ARM_JOINTS, HAND_ACTUATORS, HAND_DOF, J
 pub use embedded::embedded_mjcf;
 #[cfg(feature = "engine")]
 pub use error::RobotError;
+#[cfg(feature = "engine")]
+pub use import::{ImportError, ImportedRobot, RobotReport, check, default_robot, import};
 #[cfg(feature = "engine")]
 pub use limits::JointLimits;
 #[cfg(feature = "engine")]
