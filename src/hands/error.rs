@@ -61,6 +61,16 @@ pub enum HandsError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A parameter is out of bounds.
+    #[error("{name} = {value}: expected {expected}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is accepted.
+        expected: &'static str,
+    },
     /// A frame of the clip could not be read.
     #[error(transparent)]
     Frame(#[from] FrameError),

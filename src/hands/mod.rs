@@ -12,6 +12,8 @@ mod estimate;
 #[cfg(feature = "engine")]
 mod estimator;
 #[cfg(feature = "engine")]
+mod fit;
+#[cfg(feature = "engine")]
 mod outliers;
 #[cfg(feature = "engine")]
 mod recover;
@@ -27,4 +29,6 @@ pub use error::HandsError;
 pub use estimate::{EstimateParams, Estimation, estimate};
 #[cfg(feature = "engine")]
 pub use estimator::{EstimatorCommand, PROTOCOL};
+#[cfg(feature = "engine")]
+pub use fit::{FitParams, FitScore, fit, score_fit};
 pub use track::{HandFrame, HandState, HandTrack};
