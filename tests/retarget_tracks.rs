@@ -138,6 +138,25 @@ fn beta_changes_depth_and_not_pixels() {
 }
 
 #[test]
+fn a_camera_opposite_the_person_gets_a_view_that_suits_it_unless_one_is_given() {
+    let mut track = synthetic(60);
+    // The same hands seen from the other side of the table, 1.2 m away: half a turn about the vertical.
+    for side in Side::BOTH {
+        for frame in &mut track.hands[side] {
+            let turned = frame.joints.map(|p| Vector3::new(-p.xyz.x, p.xyz.y, 1.2 - p.xyz.z));
+            *frame = hand_frame(&turned, &camera());
+        }
+    }
+    let (_, motion) = run(&track, &RetargetParams::default());
+    for side in Side::BOTH {
+        assert!(share(&motion, side, |report| report.reachable) > 0.9);
+    }
+    assert!(wrist_reprojection(&track, &motion, &camera()) < 1.0);
+    let given = RetargetParams { offset: Vector3::new(0.06, 0.0, 0.43), ..Default::default() };
+    assert_eq!(run(&track, &given).1.map.offset, given.offset);
+}
+
+#[test]
 fn closing_the_human_hand_closes_the_robots() {
     let (robot, motion) = run(&synthetic(126), &RetargetParams::default());
     for side in Side::BOTH {
@@ -317,6 +336,10 @@ fn real_hands_of_a_video_are_followed() {
     let track = track_of(Some(&left), Some(&right), |p| p);
     let (_, motion) = run(&track, &RetargetParams::default());
     summary("whisking", &track, &motion);
+    // A camera opposite the person, 1.2 m away: the default view cannot serve, another is found.
+    for side in Side::BOTH {
+        assert!(share(&motion, side, |report| report.reachable) > 0.9);
+    }
 }
 
 #[test]

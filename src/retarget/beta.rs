@@ -33,19 +33,19 @@ pub(super) fn fit_beta(
     let natural = natural_beta(tracks, robot);
     let mut best = (natural, -1.0);
     for beta in candidates(natural) {
-        let share = reachable_share(tracks, robot, params, CameraMap { beta, ..map });
-        if share >= params.beta_reach {
+        let found = reach(tracks, robot, params, CameraMap { beta, ..map });
+        if found.share >= params.beta_reach {
             return beta;
         }
-        if share > best.1 + 1e-9 {
-            best = (beta, share);
+        if found.value > best.1 + 1e-9 {
+            best = (beta, found.value);
         }
     }
     best.0
 }
 
 /// Robot hand length over human hand length, over both sides.
-fn natural_beta(tracks: &PerSide<HumanTrack>, robot: &RobotModel) -> f64 {
+pub(super) fn natural_beta(tracks: &PerSide<HumanTrack>, robot: &RobotModel) -> f64 {
     let ratios: Vec<f64> = tracks
         .iter()
         .filter_map(|(side, track)| {
@@ -65,13 +65,25 @@ fn candidates(natural: f64) -> Vec<f64> {
     all
 }
 
-fn reachable_share(
+/// How a map suits the wrists of a clip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    /// Share of the tried frames that are reached.
+    pub share: f64,
+    /// The same, with partial credit for near misses: a miss by 10 cm counts a third.
+    pub value: f64,
+    /// Mean angle that the wrists stay short of their targets, radians.
+    pub turn: f64,
+}
+
+/// Tries a sample of the frames, wrists alone.
+pub(super) fn reach(
     tracks: &PerSide<HumanTrack>,
     robot: &RobotModel,
     params: &RetargetParams,
     map: CameraMap,
-) -> f64 {
-    let (mut reached, mut tried) = (0, 0);
+) -> Reach {
+    let (mut tried, mut sum) = (0.0, Reach { share: 0.0, value: 0.0, turn: 0.0 });
     let farther = CameraMap { beta: map.beta * HEADROOM, ..map };
     for (side, track) in tracks.iter() {
         let Some(size) = &track.size else { continue };
@@ -80,30 +92,41 @@ fn reachable_share(
         let poses: Vec<&HumanPose> = track.poses.iter().flatten().collect();
         let mut warm = solver.comfortable();
         for pose in poses.iter().step_by(poses.len().div_ceil(SAMPLES).max(1)) {
-            tried += 1;
-            let target = side_map.wrist(pose);
-            reached += usize::from(reaches(&mut solver, &target, &mut warm, params.reach_tolerance));
+            let (miss, turn) = try_wrist(&mut solver, &side_map.wrist(pose), &mut warm);
+            let reached = miss <= params.reach_tolerance;
+            tried += 1.0;
+            sum.share += f64::from(u8::from(reached));
+            sum.value += if reached { 1.0 } else { 0.9 * (-miss / 0.1).exp() };
+            sum.turn += turn;
         }
     }
-    if tried == 0 { 1.0 } else { f64::from(reached as u32) / f64::from(tried as u32) }
+    if tried == 0.0 {
+        return Reach { share: 1.0, value: 1.0, turn: 0.0 };
+    }
+    Reach { share: sum.share / tried, value: sum.value / tried, turn: sum.turn / tried }
 }
 
-fn reaches(
+/// Distance (metres) and angle (radians) that the wrist stays short of `target`.
+fn try_wrist(
     solver: &mut SideSolver<'_>,
     target: &SideTarget,
     warm: &mut SVector<f64, SIDE_DOF>,
-    tolerance: f64,
-) -> bool {
+) -> (f64, f64) {
     let bounds = solver.anywhere();
+    let mut best = (f64::INFINITY, 0.0, 0.0);
     for start in [*warm, solver.comfortable()] {
         let solution = solver.solve(target, &start, &start, &bounds, 30);
-        let error = (solver.pose(&solution.angles).wrist - target.wrist.position().xyz).norm();
-        if error <= tolerance {
+        if solution.cost < best.0 {
+            let posture = solver.pose(&solution.angles);
+            let miss = (posture.wrist - target.wrist.position().xyz).norm();
+            best = (solution.cost, miss, posture.wrist_rotation.angle_to(&target.wrist.rotation()));
             *warm = solution.angles;
-            return true;
+        }
+        if best.1 < 1e-3 && best.2 < 0.05 {
+            break;
         }
     }
-    false
+    (best.1, best.2)
 }
 
 /// Share of the valid frames whose wrist the robot reaches with `params` and scale `beta`; 1 without any.
@@ -117,5 +140,5 @@ pub fn reachable_share_of(
     beta: f64,
 ) -> Result<f64, super::RetargetError> {
     let tracks = PerSide::from_fn(|side: Side| HumanTrack::new(&hands.hands[side], &params.cutoff));
-    Ok(reachable_share(&tracks, robot, params, params.map(beta / HEADROOM)?))
+    Ok(reach(&tracks, robot, params, params.map(beta / HEADROOM)?).share)
 }

@@ -32,6 +32,8 @@ mod start;
 mod target;
 #[cfg(feature = "engine")]
 mod track;
+#[cfg(feature = "engine")]
+mod view;
 
 #[cfg(feature = "engine")]
 pub use beta::reachable_share_of;

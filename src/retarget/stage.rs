@@ -23,6 +23,7 @@ use super::{
     solver::SideSolver,
     target::SideTarget,
     track::HumanTrack,
+    view::choose_view,
 };
 
 type Angles = SVector<f64, SIDE_DOF>;
@@ -31,7 +32,9 @@ type Angles = SVector<f64, SIDE_DOF>;
 ///
 /// `hands` is in the camera frame (metres). The result has one row a frame: 26 angles inside position and
 /// velocity limits at 30 FPS, and for each side what was wanted and what was reached in `torso_link`. Where a
-/// hand is not valid its arm rests or is on its way, and the side's report says `driven = false`.
+/// hand is not valid its arm rests or is on its way, and the side's report says `driven = false`. The map in
+/// the result is the one to render with: an untouched default view is replaced where it leaves the hands out of
+/// reach (a camera opposite the person, say).
 ///
 /// # Errors
 /// When a parameter is out of range, the track's sides differ in length, or the work was cancelled.
@@ -47,7 +50,7 @@ pub fn retarget(
         return Err(RetargetError::TrackLengths { left, right });
     }
     let tracks = PerSide::from_fn(|side| HumanTrack::new(&hands.hands[side], &params.cutoff));
-    let mut map = params.map(1.0)?;
+    let mut map = choose_view(&tracks, robot, params)?;
     map.beta = match params.beta {
         Beta::Fixed(beta) => beta,
         Beta::Fit => fit_beta(&tracks, robot, params, map),
