@@ -319,20 +319,25 @@ fn hand_meshes(rng: &mut Pcg64Mcg) -> Vec<Mesh> {
 
 fn light(rng: &mut Pcg64Mcg) -> String {
     let azimuth = rng.random_range(-1.0..1.0_f64);
-    let key = [-azimuth.sin() * 0.7, 0.35 * azimuth.cos(), -1.0];
+    let key = Vector3::new(-azimuth.sin() * 0.7, 0.35 * azimuth.cos(), -1.0);
+    // Near the scene, so that the shadow map's depth is fine enough.
+    let lamp = Vector3::new(0.0, 0.4, 0.0) - key.normalize() * 1.1;
     let strength = rng.random_range(0.30..0.42);
     let warm = rng.random_range(-0.03..0.03);
-    format!(
-        "<light directional='true' dir='{} {} {}' pos='0 0.3 1.5' castshadow='true' diffuse='{} {} {}' specular='0.2 0.2 0.2' ambient='0 0 0'/>\
-         <light directional='true' dir='0.6 0.5 -1' pos='0 0.3 1.5' castshadow='false' diffuse='0.16 0.16 0.17' specular='0 0 0' ambient='0 0 0'/>\
-         <light directional='true' dir='-0.7 0.3 -0.8' pos='0 0.3 1.5' castshadow='false' diffuse='0.14 0.14 0.14' specular='0 0 0' ambient='0 0 0'/>",
-        key[0],
-        key[1],
-        key[2],
-        strength + warm,
-        strength,
-        strength - warm
-    )
+    let lit = |direction: [f64; 3], at: [f64; 3], shadow: bool, colour: [f64; 3]| {
+        let text = |v: [f64; 3]| format!("{} {} {}", v[0], v[1], v[2]);
+        format!(
+            "<light directional='true' dir='{}' pos='{}' castshadow='{shadow}' diffuse='{}' \
+             specular='0.1 0.1 0.1' ambient='0 0 0'/>",
+            text(direction),
+            text(at),
+            text(colour)
+        )
+    };
+    let first = lit(key.into(), lamp.into(), true, [strength + warm, strength, strength - warm]);
+    let second = lit([0.6, 0.5, -1.0], [0.0, 0.0, 2.0], false, [0.16, 0.16, 0.17]);
+    let third = lit([-0.7, 0.3, -0.8], [0.0, 0.0, 2.0], false, [0.14; 3]);
+    first + &second + &third
 }
 
 /// Compiles placeholders of the right capacity, then fills in triangles and texels.
@@ -370,7 +375,7 @@ fn build(meshes: &[Mesh], light: &str) -> Result<MjModel, SynthError> {
     let xml = format!(
         "<mujoco><statistic center='0 0.4 0' extent='0.8'/>\
          <visual><headlight ambient='0.34 0.34 0.35' diffuse='0.18 0.18 0.18' specular='0.05 0.05 0.05'/>\
-         <quality shadowsize='4096'/><map shadowclip='1.0' shadowscale='0.7' zfar='4'/></visual>\
+         <quality shadowsize='4096'/><map shadowclip='1.0' shadowscale='0.7' znear='0.3' zfar='2.6'/></visual>\
          <asset>{assets}</asset><worldbody>{light}{world}</worldbody></mujoco>"
     );
     let mut model = MjModel::from_xml_string(&xml).map_err(|error| SynthError::Scene(error.to_string()))?;
