@@ -1,5 +1,6 @@
 //! Quality measures: pictures against clean truth, masks against true masks.
 
+pub mod bench;
 mod fidelity;
 mod region;
 
