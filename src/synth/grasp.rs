@@ -21,10 +21,11 @@ pub enum GraspKind {
 }
 
 impl GraspKind {
-    /// The natural grasp of an object of `kind`.
-    pub fn of(kind: ObjectKind) -> Self {
+    /// The natural grasp of an object of `kind`; `chance` in 0..1 decides where there are two.
+    pub fn of(kind: ObjectKind, chance: f64) -> Self {
         match kind {
             ObjectKind::Ball | ObjectKind::Tool => Self::Pinch,
+            ObjectKind::Box | ObjectKind::Can if chance < 0.4 => Self::Pinch,
             _ => Self::Wrap,
         }
     }
@@ -116,12 +117,14 @@ pub fn grasp(
             (hand_rotation(tilted, y), centre, Vector3::new(0.0, 0.0, height))
         }
         GraspKind::Pinch => {
-            let pitch: f64 = 0.62;
+            let pitch: f64 = 0.45;
             let x = Vector3::new(0.0, pitch.cos(), -pitch.sin());
             let y = Vector3::new(0.0, pitch.sin(), pitch.cos());
             // A lying tool is taken by its handle.
             let lying = rest.angle() > 0.1;
-            let along = if lying { -0.35 * shape.half_height() } else { 0.0 };
+            // What stands tall is taken near its top.
+            let top = (shape.half_height() - 0.032).max(0.0);
+            let along = if lying { -0.35 * shape.half_height() } else { top };
             let radius = shape.radius_at(along);
             let centre = Vector3::new(0.116 * unit, -0.055 * unit - 0.55 * radius, 0.012 * unit);
             (hand_rotation(x, y), centre, rest * Vector3::new(0.0, 0.0, along) + Vector3::z() * 0.004)

@@ -48,8 +48,8 @@ impl CameraPath {
             })
         });
         Self {
-            height: rng.random_range(0.36..0.46),
-            pitch: rng.random_range(43.0_f64..55.0).to_radians(),
+            height: rng.random_range(0.38..0.47),
+            pitch: rng.random_range(48.0_f64..59.0).to_radians(),
             waves,
         }
     }
@@ -108,13 +108,13 @@ fn minimum_jerk(t: f64) -> f64 {
 }
 
 fn elbow_of(side: Side) -> Vector3<f64> {
-    Vector3::new(if side == Side::Right { 0.30 } else { -0.30 }, -0.14, -0.02)
+    Vector3::new(if side == Side::Right { 0.36 } else { -0.36 }, -0.08, -0.03)
 }
 
 fn turn_towards(side: Side, x: f64, y: f64) -> f64 {
     let elbow = elbow_of(side);
     // The wrist takes a part of the turn.
-    0.8 * (elbow.x - x).atan2(y - elbow.y)
+    1.1 * (elbow.x - x).abs().atan2(y - elbow.y) * elbow.x.signum()
 }
 
 impl Script {
@@ -247,11 +247,11 @@ fn keys(
     let lift = lifted(rng.random_range(0.1..0.4), rng);
     let carry = lifted(rng.random_range(0.7..0.95), rng);
     let home = |rng: &mut Pcg64Mcg| {
-        let x = Vector3::new(-0.3 * out, 1.0, -0.1);
+        let x = Vector3::new(-0.75 * out, 1.0, -0.1);
         let y = Vector3::new(0.35 * out, 0.1, 1.0);
         let at = Vector3::new(
-            out * rng.random_range(0.17..0.24),
-            focus - rng.random_range(0.20..0.26),
+            out * rng.random_range(0.19..0.26),
+            focus - rng.random_range(0.13..0.19),
             rng.random_range(0.05..0.10),
         );
         Isometry3::from_parts(at.into(), grasp::hand_rotation(x, y))
@@ -280,7 +280,7 @@ fn keys(
 
 fn idle_hand(side: Side, focus: f64, rng: &mut Pcg64Mcg) -> HandState {
     let out = if side == Side::Right { 1.0 } else { -1.0 };
-    let x = Vector3::new(-out * rng.random_range(0.2..0.7), 1.0, -0.05);
+    let x = Vector3::new(-out * rng.random_range(0.4..1.1), 1.0, -0.05);
     let y = Vector3::new(out * rng.random_range(0.05..0.4), 0.0, 1.0);
     let at = Vector3::new(out * rng.random_range(0.19..0.23), focus - rng.random_range(0.10..0.16), 0.045);
     HandState {

@@ -375,7 +375,7 @@ fn build(meshes: &[Mesh], light: &str) -> Result<MjModel, SynthError> {
     let xml = format!(
         "<mujoco><statistic center='0 0.4 0' extent='0.8'/>\
          <visual><headlight ambient='0.34 0.34 0.35' diffuse='0.18 0.18 0.18' specular='0.05 0.05 0.05'/>\
-         <quality shadowsize='4096'/><map shadowclip='1.0' shadowscale='0.7' znear='0.3' zfar='2.6'/></visual>\
+         <quality shadowsize='2048'/><map shadowclip='1.0' shadowscale='0.7' znear='0.3' zfar='2.6'/></visual>\
          <asset>{assets}</asset><worldbody>{light}{world}</worldbody></mujoco>"
     );
     let mut model = MjModel::from_xml_string(&xml).map_err(|error| SynthError::Scene(error.to_string()))?;

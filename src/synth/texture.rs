@@ -184,13 +184,13 @@ pub fn object(finish: Finish, size: usize, rng: &mut Pcg64Mcg) -> Texels {
     let z = rng.random_range(0.0..500.0);
     // Away from the hues of skin and wood, as a picture of a person's things usually is in part only.
     let hue: f64 = rng.random_range(0.18..1.0);
-    let base = hsv(hue, rng.random_range(0.35..0.85), rng.random_range(0.45..0.9));
+    let base = hsv(hue, rng.random_range(0.2..0.7), rng.random_range(0.4..0.85));
     let second =
-        hsv(hue + rng.random_range(0.25..0.75), rng.random_range(0.2..0.9), rng.random_range(0.35..0.95));
+        hsv(hue + rng.random_range(0.25..0.75), rng.random_range(0.15..0.7), rng.random_range(0.35..0.9));
     let ink = hsv(rng.random(), 0.4, 0.18);
     let bands = rng.random_range(4.0..9.0);
     paint(size, move |u, v| {
-        let wear = 1.0 + 0.07 * fractal(u * 12.0, v * 12.0, z, 4);
+        let wear = 1.0 + 0.10 * fractal(u * 10.0, v * 10.0, z, 5) + 0.04 * noise3(u * 120.0, v * 120.0, z);
         let plain = scaled(base, wear);
         match finish {
             Finish::Uniform => plain,
