@@ -14,6 +14,8 @@ mod estimator;
 #[cfg(feature = "engine")]
 mod fit;
 #[cfg(feature = "engine")]
+pub mod import;
+#[cfg(feature = "engine")]
 mod outliers;
 #[cfg(feature = "engine")]
 mod recover;

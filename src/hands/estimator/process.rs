@@ -282,3 +282,62 @@ fn write_line(stream: &mut impl Write, message: &impl Serialize) -> std::io::Res
     stream.write_all(&line)?;
     stream.flush()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Size;
+
+    fn shell(script: &str) -> EstimatorCommand {
+        let mut command = EstimatorCommand::new("/bin/sh", ["-c".to_owned(), script.to_owned()]);
+        (command.start_timeout_s, command.frame_timeout_s) = (5.0, 0.5);
+        command
+    }
+
+    fn request() -> Request {
+        Request { frame: FrameIndex(0), mode: Mode::Track, picture: Rgb8::new(Size::new(8, 8)) }
+    }
+
+    const HELLO: &str = r#"echo '{"protocol":"agenticfocus-hands/1","name":"fake"}'; "#;
+
+    #[test]
+    fn an_estimator_that_dies_is_quoted_with_its_status() {
+        let error =
+            EstimatorProcess::start(&shell("echo no such module >&2; exit 3"), 1).expect_err("it died");
+        let text = error.to_string();
+        assert!(text.contains("exit status: 3") && text.contains("no such module"), "{text}");
+    }
+
+    #[test]
+    fn another_protocol_is_refused_by_name() {
+        let error = EstimatorProcess::start(&shell(r#"echo '{"protocol":"hands/9"}'; sleep 5"#), 1);
+        let text = error.expect_err("refused").to_string();
+        assert!(text.contains("hands/9") && text.contains(PROTOCOL), "{text}");
+    }
+
+    #[test]
+    fn a_silent_estimator_meets_its_time_out() {
+        let mut process = EstimatorProcess::start(&shell(&format!("{HELLO} sleep 20")), 1).expect("started");
+        assert!(matches!(process.ask(request()), Err(HandsError::TimedOut { .. })));
+    }
+
+    #[test]
+    fn nonsense_is_refused_with_a_reason() {
+        for (answer, reason) in [
+            ("hello", "expected value"),
+            (r#"{"id":7,"hands":[]}"#, "id is 7"),
+            (r#"{"id":0,"hands":[{"side":"left","score":0.5,"keypoints":[[1,2]]}]}"#, "1 keypoints"),
+        ] {
+            let script = format!("{HELLO} echo '{answer}'; sleep 5");
+            let mut process = EstimatorProcess::start(&shell(&script), 1).expect("started");
+            let text = process.ask(request()).expect_err("refused").to_string();
+            assert!(text.contains(reason), "{text} lacks {reason}");
+        }
+    }
+
+    #[test]
+    fn a_missing_program_is_named() {
+        let error = EstimatorProcess::start(&EstimatorCommand::new("/no/such/program", []), 1);
+        assert!(error.expect_err("missing").to_string().contains("/no/such/program"));
+    }
+}

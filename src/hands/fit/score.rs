@@ -90,7 +90,7 @@ fn score_clip(random: &mut Pcg64Mcg, frames: usize) -> Result<FitScore, HandsErr
     let length = random.random_range(0.170..0.205);
     let shape = varied(length, random);
     for side in Side::BOTH {
-        let motion = Motion::random(side, random);
+        let motion = Motion::random(random);
         for (frame, hands) in landmarks.iter_mut().enumerate() {
             let mirror = if side == Side::Right { -1.0 } else { 1.0 };
             let joints = joints(&shape, &motion.at(frame as f64 / 30.0)).map(|mut p| {
@@ -145,9 +145,8 @@ struct Motion {
 
 impl Motion {
     /// A first-person hand: wrist below the middle, fingers up and away, back or edge to the camera.
-    fn random(side: Side, random: &mut Pcg64Mcg) -> Self {
-        // In the mirrored frame of right hands both come from the left.
-        let _ = side;
+    /// Right hands are the mirror of the same, so both sides are drawn alike.
+    fn random(random: &mut Pcg64Mcg) -> Self {
         let wrist = [(-0.12, 0.02), (0.02, 0.12), (0.34, 0.58)].map(|(a, b)| Wave::random(a, b, random));
         let turn = [(-0.7, 0.7), (-1.0, 1.0), (-0.6, 0.6)].map(|(a, b)| Wave::random(a, b, random));
         let angles = angle_priors()

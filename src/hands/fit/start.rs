@@ -74,10 +74,9 @@ fn palm_poses(shape: &HandShape, sight: &Sight) -> opencv::Result<Vec<(UnitQuate
     // The palm's plane is x–z of the hand frame; IPPE wants it at z = 0: x stays, z becomes y.
     let mut model = vec![Point3d::new(0.0, 0.0, 0.0)];
     let mut seen = vec![Point2d::new(sight.rays[WRIST].x, sight.rays[WRIST].y)];
-    for finger in 1..5 {
-        let base = shape.bases[finger];
+    for (base, keypoint) in shape.bases.iter().zip(BASES).skip(1) {
         model.push(Point3d::new(base.x, base.z, 0.0));
-        let ray = sight.rays[BASES[finger]];
+        let ray = sight.rays[keypoint];
         seen.push(Point2d::new(ray.x, ray.y));
     }
     let (mut rotations, mut translations) = (Vector::<Mat>::new(), Vector::<Mat>::new());

@@ -70,9 +70,9 @@ pub(super) fn cost(shape: &HandShape, pose: &HandPose, sight: Option<&Sight>) ->
             total += huber((project(joint) - ray).norm() / sight.sigma).0;
         }
         if let Some(hints) = &sight.bone_hints {
-            for k in 1..KEYPOINT_COUNT {
+            for (k, hint) in hints.iter().enumerate().skip(1) {
                 let bone = (joints[k] - joints[PARENT[k]]).normalize();
-                total += huber((bone - hints[k]).norm() / HINT_SIGMA).0;
+                total += huber((bone - hint).norm() / HINT_SIGMA).0;
             }
         }
     }
@@ -96,8 +96,8 @@ pub(super) fn normal(shape: &HandShape, pose: &HandPose, sight: Option<&Sight>, 
             add_keypoint(&mut normal, &posed, joint, sight, with_shape);
         }
         if let Some(hints) = &sight.bone_hints {
-            for joint in 1..KEYPOINT_COUNT {
-                add_hint(&mut normal, &posed, joint, &hints[joint]);
+            for (joint, hint) in hints.iter().enumerate().skip(1) {
+                add_hint(&mut normal, &posed, joint, hint);
             }
         }
     }
