@@ -16,7 +16,7 @@ use crate::{
         MaskFlag, MaskTrack,
         object::{Keyframe, LocalFlow, Roi, Scene, View, apply, arm, fit_similarity, signed_distance},
     },
-    vision::{AlignChannel, AlignPrior, Plane, align},
+    vision::{AlignChannel, AlignPrior, Alignment, Plane, align},
 };
 
 /// Where the object lies on one frame, work scale.
@@ -206,25 +206,41 @@ fn measure(
         photometric: true,
     };
     let affine = if params.affine { 1.0 } else { 0.0 };
-    let loose = AlignPrior { shift: 0.4, scale: 0.05, rotation: 0.1, affine: 0.0, perspective: 0.0 };
-    let tight = AlignPrior {
-        shift: 0.12,
-        scale: 0.03,
-        rotation: 0.05,
-        affine: 0.08 * affine,
-        perspective: 0.03 * affine,
+    let loose =
+        AlignPrior { shift: 0.4, scale: 0.05, rotation: 0.1, affine: 0.05 * affine, perspective: 0.0 };
+    let tight =
+        AlignPrior { shift: 0.12, scale: 0.03, rotation: 0.05, affine: 0.06 * affine, perspective: 0.0 };
+    let (start, centre, radius) = (into * predicted, key.centre, key.radius);
+    let fine = |start: &Matrix3<f64>| {
+        align(&[texture_ref(&texture), outline(&soft_mask)], start, centre, radius, &tight, 12)
     };
-    let coarse = align(&[outline(&wide_mask)], &(into * predicted), key.centre, key.radius, &loose, 6);
-    let from = |start: &Matrix3<f64>| {
-        align(&[texture_ref(&texture), outline(&soft_mask)], start, key.centre, key.radius, &tight, 12)
+    // The outline alone helps when prediction was off, or when the object shows another side and its
+    // texture no longer fits: take whichever explains the visible part best.
+    let coarse = align(&[outline(&wide_mask)], &start, centre, radius, &loose, 8);
+    let outlined = align(&[outline(&soft_mask)], &coarse.transform, centre, radius, &tight, 8);
+    let rate = |candidate: &Alignment| -> opencv::Result<(f64, f64)> {
+        let placed = key.place(&(shift(roi.x as f64, roi.y as f64) * candidate.transform), &roi)?;
+        let overlap = visible_overlap(&placed, &mask, &clear);
+        Ok((overlap, overlap + 0.3 * candidate.agreement * candidate.seen))
     };
-    // Coarse alignment only helps when prediction was off; take whichever ends better.
-    let (direct, rescued) = (from(&(into * predicted)), from(&coarse.transform));
-    let found = if rescued.agreement * rescued.seen > 1.05 * direct.agreement * direct.seen {
-        rescued
-    } else {
-        direct
+    let mut best: Option<((f64, f64), Alignment)> = None;
+    let mut consider = |candidate: Alignment| -> opencv::Result<f64> {
+        let rating = rate(&candidate)?;
+        if best.as_ref().is_none_or(|(other, _)| rating.1 > other.1 + 0.01) {
+            best = Some((rating, candidate));
+        }
+        Ok(best.as_ref().map_or(0.0, |(rating, _)| rating.0))
     };
+    consider(fine(&start))?;
+    consider(fine(&coarse.transform))?;
+    if consider(outlined)? < 0.86 {
+        let placed = key.place(predicted, &roi)?;
+        let moved = by_moments(&placed, &mask, &clear) * start;
+        let outlined = align(&[outline(&wide_mask)], &moved, centre, radius, &loose, 8);
+        consider(align(&[outline(&soft_mask)], &outlined.transform, centre, radius, &tight, 8))?;
+        consider(fine(&outlined.transform))?;
+    }
+    let Some((_, found)) = best else { return Ok(fallback) };
     let back = shift(roi.x as f64, roi.y as f64);
     let transform = back * found.transform;
     let ramp = |value: f64, low: f64, high: f64| ((value - low) / (high - low)).clamp(0.0, 1.0);
@@ -235,6 +251,34 @@ fn measure(
 
 fn texture_ref<'a>(channel: &AlignChannel<'a>) -> AlignChannel<'a> {
     AlignChannel { points: channel.points, target: channel.target, trust: channel.trust, ..*channel }
+}
+
+/// IoU of the placed shape and the mask where no arm hides either.
+fn visible_overlap(placed: &Plane, mask: &Plane, clear: &Plane) -> f64 {
+    let (mut both, mut either) = (0.0, 0.0);
+    for ((p, m), c) in placed.data.iter().zip(&mask.data).zip(&clear.data) {
+        both += f64::from(p.min(*m) * c);
+        either += f64::from(p.max(*m) * c);
+    }
+    both / f64::max(either, 1.0)
+}
+
+/// The shift and, where most is clear, the scale that take the placed shape's visible part to the mask.
+fn by_moments(placed: &Plane, mask: &Plane, clear: &Plane) -> Matrix3<f64> {
+    let moments = |plane: &Plane| {
+        let (mut weight, mut x, mut y) = (1e-9, 0.0, 0.0);
+        for (at, (value, clear)) in plane.data.iter().zip(&clear.data).enumerate() {
+            let w = f64::from(value * clear);
+            weight += w;
+            x += w * (at % plane.width) as f64;
+            y += w * (at / plane.width) as f64;
+        }
+        (weight, x / weight, y / weight)
+    };
+    let ((area, x, y), (area_mask, x_mask, y_mask)) = (moments(placed), moments(mask));
+    let whole: f64 = placed.data.iter().map(|v| f64::from(*v)).sum();
+    let scale = if area > 0.75 * whole { (area_mask / area).sqrt().clamp(0.75, 1.33) } else { 1.0 };
+    Matrix3::new(scale, 0.0, x_mask - scale * x, 0.0, scale, y_mask - scale * y, 0.0, 0.0, 1.0)
 }
 
 /// Pixels of the full shape under a transform.

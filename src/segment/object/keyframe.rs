@@ -26,6 +26,8 @@ pub(crate) struct Keyframe {
     pub texture: Vec<AlignPoint>,
     /// Samples of the shape around its border; positions on the frame.
     pub outline: Vec<AlignPoint>,
+    /// Tight bounds of the shape on its frame.
+    tight: (f64, f64, f64, f64),
     /// Centre of the shape on the frame.
     pub centre: (f64, f64),
     /// Radius of the disc of the shape's area.
@@ -60,6 +62,7 @@ impl Keyframe {
             texture: texture_points(&gray, &distance, &roi, area),
             outline: outline_points(&soft, &distance, &roi),
             roi,
+            tight: bounds,
             shape: plane,
             centre,
             radius: (area / std::f64::consts::PI).sqrt().max(3.0),
@@ -91,10 +94,7 @@ impl Keyframe {
 
     /// Corners of the crop's shape box carried by `transform`: `(x0, y0, x1, y1)`.
     pub fn bounds(&self, transform: &Matrix3<f64>) -> (f64, f64, f64, f64) {
-        let margin = 13.0;
-        let (x0, y0) = (self.roi.x as f64 + margin, self.roi.y as f64 + margin);
-        let x1 = (self.roi.x + self.roi.width) as f64 - margin;
-        let y1 = (self.roi.y + self.roi.height) as f64 - margin;
+        let (x0, y0, x1, y1) = self.tight;
         let mut bounds = (f64::MAX, f64::MAX, f64::MIN, f64::MIN);
         for (x, y) in [(x0, y0), (x1, y0), (x0, y1), (x1, y1)] {
             let p = apply(transform, x, y);

@@ -11,6 +11,7 @@ mod keyframe;
 mod motion;
 mod params;
 mod rating;
+mod redetect;
 mod seed;
 mod shape;
 mod step;

@@ -8,6 +8,7 @@ use super::{
     evidence::{Colours, Evidence, learn_surroundings},
     keyframe::{Keyframe, apply},
     motion::{LocalFlow, fit_similarity},
+    redetect::redetect,
     shape::{bounds_of, fill_holes, iou, keep_components, signed_distance},
     view::{Roi, Scene, View, arm},
 };
@@ -34,6 +35,10 @@ pub(crate) struct State {
     pub age: u32,
     /// Area of the shape on the annotated frame, work pixels.
     pub root_area: f64,
+    /// Steps for which the object should have been seen but was not.
+    pub missing: u32,
+    /// The view the keyframe was cut from.
+    pub witness: Arc<View>,
     pub measures: Measures,
 }
 
@@ -70,6 +75,7 @@ impl State {
         let root_area = key.area;
         let measures = Measures { agreement: 1.0, overlap: 1.0, colour: 0.0, area_ratio: 1.0, growth: 1.0 };
         Ok(Some(Self {
+            witness: Arc::clone(&view),
             view,
             key: Arc::new(key),
             transform: Matrix3::identity(),
@@ -79,6 +85,7 @@ impl State {
             visible: 1.0,
             age: 0,
             root_area,
+            missing: 0,
             measures,
         }))
     }
@@ -91,7 +98,14 @@ fn surround(key: &Keyframe) -> f64 {
 
 /// Advances `state` to `view`.
 pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Result<State, SegmentError> {
-    let (predicted, held) = predict(state, &view)?;
+    let (mut predicted, held) = predict(state, &view)?;
+    // A search costs as much as several frames: not on every one.
+    if state.missing >= 2
+        && state.missing.is_multiple_of(3)
+        && let Some(found) = redetect(scene, state, &view)?
+    {
+        predicted = found;
+    }
     let margin = surround(&state.key).max(20.0);
     let roi = Roi::around(state.key.bounds(&predicted), margin, view.width, view.height);
     let evidence = Evidence::read(&view, &roi, &state.colours, scene.arm_colours.as_ref());
@@ -117,7 +131,21 @@ pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Resu
         area_ratio: found / exposed.max(1.0),
         growth: whole / state.root_area.max(1.0),
     };
+    let visible = exposed / whole.max(1.0);
+    let sought = visible > 0.35 && exposed > 25.0;
+    // Off the picture, or nearly.
+    let gone = whole < 0.3 * state.key.area;
+    let lost = gone || sought && (measures.overlap < 0.25 || measures.colour > 0.8);
+    let missing = if lost {
+        state.missing + 1
+    } else if sought {
+        0
+    } else {
+        state.missing
+    };
     let mut shape = vec![0; view.width * view.height];
+    // What is cut out where the object is not is something else.
+    let cut = if missing >= 2 { vec![0; cut.len()] } else { cut };
     for (at, value) in cut.iter().enumerate() {
         shape[(at / roi.width + roi.y) * view.width + at % roi.width + roi.x] = *value;
     }
@@ -126,12 +154,15 @@ pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Resu
         transform,
         shape,
         held,
-        visible: exposed / whole.max(1.0),
+        visible,
+        missing,
         age: state.age + 1,
         measures,
         ..state.clone()
     };
-    learn(&mut next, &roi, &distance, seen_colours)?;
+    if next.missing == 0 {
+        learn(&mut next, &roi, &distance, seen_colours)?;
+    }
     Ok(next)
 }
 
@@ -278,6 +309,7 @@ fn learn(
         && let Some(key) = Keyframe::new(&next.view, &next.shape)?
     {
         next.key = Arc::new(key);
+        next.witness = Arc::clone(&next.view);
         next.transform = Matrix3::identity();
         next.age = 0;
     }

@@ -156,12 +156,13 @@ pub(crate) struct Roi {
 }
 
 impl Roi {
-    /// The part of `x0..x1`, `y0..y1` inside a `width` × `height` picture, at least 16 pixels a side.
+    /// The part of `x0..x1`, `y0..y1` inside a `width` × `height` picture, at least 64 pixels a side
+    /// (where the picture has them): flow needs room for its pyramid.
     pub fn around(bounds: (f64, f64, f64, f64), margin: f64, width: usize, height: usize) -> Self {
         let span = |low: f64, high: f64, limit: usize| {
             let limit = limit as f64;
-            let low = (low - margin).floor().clamp(0.0, (limit - 16.0).max(0.0));
-            let high = (high + margin).ceil().clamp(low + 16.0_f64.min(limit), limit.max(low + 1.0));
+            let low = (low - margin).floor().clamp(0.0, (limit - 64.0).max(0.0));
+            let high = (high + margin).ceil().clamp((low + 64.0).min(limit), limit.max(low + 1.0));
             (low as usize, (high.min(limit)) as usize)
         };
         let (x0, x1) = span(bounds.0, bounds.2, width);
