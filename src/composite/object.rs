@@ -105,10 +105,10 @@ pub(super) fn object_layer(
     }
     let placement = evidence.placement.filter(|placement| placement.confidence >= params.least_confidence);
     let placed = placement.and_then(|placement| placed_region(evidence.template, placement, size));
-    let seen = evidence
-        .visible
-        .and_then(Mask::bounding_box)
-        .map(|b| Rect::new(b.x0 as i32, b.y0 as i32, b.width() as i32, b.height() as i32));
+    // A little wider than the mask, so that its softened edge ends inside.
+    let frame = Rect::new(0, 0, size.width as i32, size.height as i32);
+    let seen = evidence.visible.and_then(Mask::bounding_box).map(|b| b.grown(2.0));
+    let seen = seen.map(|b| Rect::new(b.x0 as i32, b.y0 as i32, b.width() as i32, b.height() as i32) & frame);
     let Some(region) = [placed, seen].into_iter().flatten().reduce(|a, b| a | b) else { return Ok(None) };
     let feather = ((params.feather * f64::from(size.width)).round() as i32).max(1);
     let template = match placement.filter(|_| placed.is_some()) {
