@@ -173,7 +173,7 @@ fn draw_plate(
     };
     let picture = warp.draw(&plate.picture, region, imgproc::INTER_CUBIC, None)?;
     let origin = warp.draw(&plate.origin, region, imgproc::INTER_NEAREST, Some(Scalar::all(0.0)))?;
-    let picture = matched(&loaded.view, &plate.view, &warp, &picture, region, 8, scene.params)?;
+    let picture = matched(&loaded.view, &plate.view, &warp, &picture, region, scene.params)?;
     Ok(Some((picture, origin)))
 }
 

@@ -79,7 +79,7 @@ pub(super) fn choose_sources(
     order.sort_by_key(|frame| (frame.abs_diff(key), *frame));
     let mut chosen: Vec<usize> = Vec::new();
     // First for the samples wanted, well apart in time; then for whatever nobody has seen yet.
-    for (goal, gain_share, spread) in [(wanted, 0.04, 0.2), (1, 0.0, 0.0)] {
+    for (goal, gain_share, spread) in [(wanted, 0.04, 0.4), (1, 0.0, 0.0)] {
         for &frame in &order {
             if chosen.len() >= params.max_sources {
                 return chosen;

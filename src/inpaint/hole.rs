@@ -1,7 +1,7 @@
 //! What is taken out, and what must not teach the background.
 
 use opencv::{
-    core::{BORDER_CONSTANT, Mat, Point, Scalar, Size as CvSize},
+    core::{CV_8UC1, CV_32F, Mat, MatTraitConst},
     imgproc,
 };
 
@@ -46,23 +46,29 @@ trait Columns {
 
 impl Columns for Mat {
     fn cols_u32(&self) -> u32 {
-        use opencv::core::MatTraitConst as _;
         self.cols().max(0) as u32
     }
 }
 
-/// The mask widened by `radius` pixels with a disk, or narrowed where `radius` is negative.
+/// The mask widened by `radius` pixels, or narrowed where `radius` is negative, by Euclidean distance:
+/// the cost does not grow with the radius. Beyond the picture counts as more of the same.
 pub(super) fn grown(mask: &Mat, radius: i32) -> opencv::Result<Mat> {
-    let side = 2 * radius.abs() + 1;
-    let centre = Point::new(-1, -1);
-    let disk = imgproc::get_structuring_element(imgproc::MORPH_ELLIPSE, CvSize::new(side, side), centre)?;
-    let mut out = Mat::default();
+    let mut inverted = Mat::default();
     if radius >= 0 {
-        imgproc::dilate(mask, &mut out, &disk, centre, 1, BORDER_CONSTANT, Scalar::all(0.0))?;
-    } else {
-        // Beyond the picture counts as inside: an object cut by the border is not eaten there.
-        imgproc::erode(mask, &mut out, &disk, centre, 1, BORDER_CONSTANT, Scalar::all(255.0))?;
+        opencv::core::bitwise_not_def(mask, &mut inverted)?;
     }
+    let from = if radius >= 0 { &inverted } else { mask };
+    // Without a single zero the distances are undefined: nothing to grow from, or nothing to shrink from.
+    if opencv::core::count_non_zero(from)? as usize == from.total() {
+        return mask.try_clone();
+    }
+    let mut distance = Mat::default();
+    imgproc::distance_transform(from, &mut distance, imgproc::DIST_L2, imgproc::DIST_MASK_5, CV_32F)?;
+    let limit = f64::from(radius.abs()) + 0.25;
+    let kind = if radius >= 0 { imgproc::THRESH_BINARY_INV } else { imgproc::THRESH_BINARY };
+    let (mut binary, mut out) = (Mat::default(), Mat::default());
+    imgproc::threshold(&distance, &mut binary, limit, 255.0, kind)?;
+    binary.convert_to(&mut out, CV_8UC1, 1.0, 0.0)?;
     Ok(out)
 }
 

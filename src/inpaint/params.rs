@@ -21,7 +21,7 @@ pub struct InpaintParams {
     pub feather: f64,
     /// Frames between two plates (default: 15).
     pub plate_spacing: u32,
-    /// Samples wanted for each pixel of a plate (default: 5).
+    /// Samples wanted for each pixel of a plate (default: 7).
     pub samples: usize,
     /// Frames a plate may read at most (default: 16).
     pub max_sources: usize,
@@ -29,8 +29,12 @@ pub struct InpaintParams {
     pub margin: f64,
     /// Whether parallax is followed by dense flow on top of a homography (default: true).
     pub parallax: bool,
-    /// Colour differences beyond this many levels are misregistration, not light (default: 40).
+    /// Colour differences that leave the typical one by more than this many levels are shadow or
+    /// misregistration, not exposure (default: 12).
     pub colour_limit: f32,
+    /// Levels by which the surroundings of a hole may differ from another frame's before that frame
+    /// is taken to show another state of the scene (default: 24). Differences of brightness alone are shadow.
+    pub change_limit: f32,
     /// Mebibytes of decoded frames that may be kept (default: 160).
     pub cache_mib: usize,
 }
@@ -44,11 +48,12 @@ impl Default for InpaintParams {
             object_erosion: 0.003,
             feather: 0.004,
             plate_spacing: 15,
-            samples: 5,
+            samples: 7,
             max_sources: 16,
             margin: 0.125,
             parallax: true,
-            colour_limit: 40.0,
+            colour_limit: 12.0,
+            change_limit: 24.0,
             cache_mib: 160,
         }
     }

@@ -2,10 +2,7 @@
 
 use nalgebra::Matrix3;
 use opencv::{
-    core::{
-        CV_8UC3, Mat, MatTrait, MatTraitConst, MatTraitConstManual, MatTraitManual, Rect, Scalar,
-        Size as CvSize, Vec3b,
-    },
+    core::{CV_8UC3, Mat, MatTrait, MatTraitConst, MatTraitConstManual, MatTraitManual, Rect, Scalar, Vec3b},
     imgproc,
 };
 use rayon::prelude::*;
@@ -18,7 +15,7 @@ use super::{
 };
 use crate::{
     geometry::Size,
-    vision::{Registration, View, Warp, WorkScale, colour_offset},
+    vision::{Registration, View, Warp, WorkScale, colour_offset, enlarged_part, scene_change},
 };
 
 /// Nothing is known there.
@@ -76,6 +73,12 @@ pub(super) fn build(
     let sources = choose_sources(survey, &canvas, key, &needed, params);
     let mut samples = Samples::new(&plate, &canvas, &needed, params)?;
     if let Some(region) = samples.region {
+        // Even what the key frame shows is sampled: the hand's shadow may lie on it.
+        let own = Drawn {
+            picture: Mat::roi(&plate.picture, region)?.try_clone()?,
+            valid: Mat::roi(&plate.origin, region)?.try_clone()?,
+        };
+        samples.add(&own)?;
         let still = plate_still(&plate);
         for batch in sources.chunks(4) {
             let drawn: Vec<Result<Option<Drawn>, InpaintError>> = batch
@@ -167,37 +170,45 @@ fn draw_source(
     let blocked = warp.draw(&source.blocked, region, imgproc::INTER_LINEAR, Some(Scalar::all(255.0)))?;
     let mut valid = Mat::default();
     imgproc::threshold(&blocked, &mut valid, 0.0, 255.0, imgproc::THRESH_BINARY_INV)?;
-    let picture = matched(&plate.view, &source.view, &warp, &picture, region, 32, params)?;
+    let (colour, shown) = warp.draw_work(&source.view)?;
+    let mut both = Mat::default();
+    opencv::core::bitwise_and_def(&shown, &plate.view.valid, &mut both)?;
+    let offset = colour_offset(&plate.view.colour, &colour, &both, 32, params.colour_limit)?;
+    let picture = with_offset(&picture, &offset, plate.view.scale.full, region)?;
+    // Where the scene around the hole has changed since, what lay behind it will have changed too.
+    let work = plate.view.scale.work;
+    let whole = Rect::new(0, 0, work.width as i32, work.height as i32);
+    let colour = with_offset(&colour, &offset, work, whole)?;
+    let change = scene_change(&plate.view.colour, &colour, &both, 4, params.change_limit)?;
+    let change = enlarged_part(&change, plate.view.scale.full, region)?;
+    let mut changed = Mat::default();
+    opencv::core::compare(&change, &Scalar::all(0.5), &mut changed, opencv::core::CMP_GT)?;
+    valid.set_to(&Scalar::all(0.0), &changed)?;
     Ok(Some(Drawn { picture, valid }))
 }
 
-/// `picture`, drawn from `source` inside `region` of the full-size target, with its colours matched.
+/// `picture`, the part `region` of a picture of size `full`, plus a coarse map of offsets.
+fn with_offset(picture: &Mat, offset: &Mat, full: Size, region: Rect) -> opencv::Result<Mat> {
+    let (wide, mut sum) = (enlarged_part(offset, full, region)?, Mat::default());
+    opencv::core::add(picture, &wide, &mut sum, &opencv::core::no_array(), CV_8UC3)?;
+    Ok(sum)
+}
+
+/// `picture`, drawn from `source` inside `region` of the full-size target, with its colours matched
+/// closely: differences along the hole's rim are carried smoothly into it.
 pub(super) fn matched(
     target: &View,
     source: &View,
     warp: &Warp,
     picture: &Mat,
     region: Rect,
-    cell: i32,
     params: &InpaintParams,
 ) -> opencv::Result<Mat> {
     let (colour, shown) = warp.draw_work(source)?;
     let mut valid = Mat::default();
     opencv::core::bitwise_and_def(&shown, &target.valid, &mut valid)?;
-    let offset = colour_offset(&target.colour, &colour, &valid, cell, params.colour_limit)?;
-    let full = target.scale.full;
-    // Enlarging the whole offset would cost a full-size float picture: warp the region's part out.
-    let (sx, sy) =
-        (f64::from(offset.cols()) / f64::from(full.width), f64::from(offset.rows()) / f64::from(full.height));
-    let place = |at: i32, s: f64| (f64::from(at) + 0.5) * s - 0.5;
-    let map = Mat::from_slice_2d(&[[sx, 0.0, place(region.x, sx)], [0.0, sy, place(region.y, sy)]])?;
-    let (mut wide, mut sum) = (Mat::default(), Mat::default());
-    let size = CvSize::new(region.width, region.height);
-    let flags = imgproc::INTER_LINEAR | imgproc::WARP_INVERSE_MAP;
-    let border = opencv::core::BORDER_REPLICATE;
-    imgproc::warp_affine(&offset, &mut wide, &map, size, flags, border, Scalar::default())?;
-    opencv::core::add(picture, &wide, &mut sum, &opencv::core::no_array(), CV_8UC3)?;
-    Ok(sum)
+    let offset = colour_offset(&target.colour, &colour, &valid, 8, params.colour_limit)?;
+    with_offset(picture, &offset, target.scale.full, region)
 }
 
 /// Samples of the pixels that the key frame does not show.
@@ -218,10 +229,8 @@ impl Samples {
     fn new(plate: &Plate, canvas: &Canvas, cells: &[bool], params: &InpaintParams) -> opencv::Result<Self> {
         let bytes: Vec<u8> = cells.iter().map(|needed| if *needed { 255 } else { 0 }).collect();
         let coarse = Mat::new_rows_cols_with_data(canvas.rows as i32, canvas.columns as i32, &bytes)?;
-        let (mut wide, mut missing, mut needed) = (Mat::default(), Mat::default(), Mat::default());
-        imgproc::resize(&coarse, &mut wide, plate.picture.size()?, 0.0, 0.0, imgproc::INTER_NEAREST)?;
-        opencv::core::bitwise_not_def(&plate.origin, &mut missing)?;
-        opencv::core::bitwise_and_def(&wide, &missing, &mut needed)?;
+        let mut needed = Mat::default();
+        imgproc::resize(&coarse, &mut needed, plate.picture.size()?, 0.0, 0.0, imgproc::INTER_NEAREST)?;
         let bounds = imgproc::bounding_rect(&needed)?;
         let region = (bounds.width > 0 && bounds.height > 0).then_some(bounds);
         let limit = params.samples.clamp(1, 15);
@@ -275,19 +284,24 @@ impl Samples {
     }
 }
 
-/// Mean of the samples near the median, channel by channel; the earliest samples win a tie of two.
+/// The background's colour from samples that may lie in a passing shadow or show a rest of the hand:
+/// the mean of those like the one at three quarters of the brightness. A shadow only darkens, and what
+/// is brighter than three quarters of the samples is an outlier.
 fn robust_mean(samples: &[[u8; 3]]) -> [u8; 3] {
-    std::array::from_fn(|channel| {
-        let mut values: Vec<u8> = samples.iter().map(|sample| sample[channel]).collect();
-        if values.len() == 2 && values[0].abs_diff(values[1]) > 24 {
-            return values[0];
+    let luma = |c: &[u8; 3]| 2 * u32::from(c[0]) + 5 * u32::from(c[1]) + u32::from(c[2]);
+    let mut order: Vec<[u8; 3]> = samples.to_vec();
+    order.sort_by_key(luma);
+    let pivot =
+        order[((order.len() - 1) * 3).div_ceil(4).min(order.len() - 1 - usize::from(order.len() > 3))];
+    let near = order.iter().filter(|c| c.iter().zip(pivot).all(|(a, b)| a.abs_diff(b) <= 14));
+    let (mut sum, mut count) = ([0_u32; 3], 0_u32);
+    for colour in near {
+        count += 1;
+        for (sum, value) in sum.iter_mut().zip(colour) {
+            *sum += u32::from(*value);
         }
-        values.sort_unstable();
-        let median = values[values.len() / 2];
-        let near = values.iter().filter(|value| value.abs_diff(median) <= 16);
-        let (sum, count) = near.fold((0_u32, 0_u32), |(s, n), value| (s + u32::from(*value), n + 1));
-        ((sum + count / 2) / count.max(1)) as u8
-    })
+    }
+    sum.map(|sum| ((sum + count / 2) / count.max(1)) as u8)
 }
 
 /// Takes over what the previous plate knew or made up where no source showed anything.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{InpaintError, scene::Scene};
 use crate::{
     progress::Watch,
-    vision::{BackgroundMotion, CameraPath, background_motion},
+    vision::{CameraPath, View},
 };
 
 /// Side of a cell in work pixels.
@@ -40,7 +40,7 @@ impl Survey {
         let work = scene.scale.work;
         let (columns, rows) = ((work.width as usize).div_ceil(CELL), (work.height as usize).div_ceil(CELL));
         let (mut cells, mut steps) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut previous: Option<(Mat, Mat)> = None;
+        let mut previous: Option<View> = None;
         for start in (0..count).step_by(CHUNK) {
             watch.check()?;
             let end = (start + CHUNK).min(count);
@@ -50,21 +50,21 @@ impl Survey {
                     let loaded = scene.read(index)?;
                     let hole = touched(&loaded.hole, columns, rows)?;
                     let blocked = touched(&loaded.blocked, columns, rows)?;
-                    Ok((Cells { hole, blocked }, loaded.view.gray, loaded.view.blocked))
+                    Ok((Cells { hole, blocked }, loaded.view))
                 })
                 .collect();
-            let mut views: Vec<(Mat, Mat)> = previous.take().into_iter().collect();
+            let mut views: Vec<View> = previous.take().into_iter().collect();
             for look in looked {
-                let (cell, gray, blocked) = look?;
+                let (cell, view) = look?;
                 cells.push(cell);
-                views.push((gray, blocked));
+                views.push(view);
             }
             let motions: Vec<opencv::Result<Option<Matrix3<f64>>>> = (1..views.len())
                 .into_par_iter()
                 .map(|i| {
-                    let motion = background_motion(&views[i - 1].0, &views[i].0, Some(&views[i - 1].1))?;
+                    let motion = views[i - 1].motion_into(&views[i].gray, None)?;
                     Ok(motion.map(|motion| {
-                        if is_still(&motion, &views[i].0) { Matrix3::identity() } else { motion.homography }
+                        if is_still(&motion, &views[i].gray) { Matrix3::identity() } else { motion }
                     }))
                 })
                 .collect();
@@ -99,10 +99,10 @@ fn bridge_single_breaks(steps: &mut [Option<Matrix3<f64>>]) {
 }
 
 /// Whether the picture's corners stay within a quarter of a pixel.
-fn is_still(motion: &BackgroundMotion, picture: &Mat) -> bool {
+fn is_still(motion: &Matrix3<f64>, picture: &Mat) -> bool {
     let (right, bottom) = (f64::from(picture.cols()), f64::from(picture.rows()));
     [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)].into_iter().all(|(x, y)| {
-        let q = motion.homography * Vector3::new(x, y, 1.0);
+        let q = motion * Vector3::new(x, y, 1.0);
         (q.x / q.z - x).hypot(q.y / q.z - y) < 0.25
     })
 }

@@ -27,7 +27,7 @@ pub use guided::refine_edges;
 pub use histogram::LabHistogram;
 pub use homography::{BackgroundMotion, background_motion};
 pub use plane::Plane;
-pub use registration::{Registration, View, Warp, colour_offset, to_full_size};
+pub use registration::{Registration, View, Warp, colour_offset, enlarged_part, scene_change, to_full_size};
 pub use scale::{WorkScale, single_threaded};
 pub use smooth_fill::fill_smoothly;
 pub use tv_cut::{EdgeWeights, tv_cut};

@@ -1,15 +1,19 @@
 //! Registering one view of the background with another: homography, then what parallax leaves.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Matrix3, Vector3};
 use opencv::{
+    calib3d,
     core::{
         BORDER_CONSTANT, BORDER_REPLICATE, CV_32FC1, CV_32FC3, Mat, MatTrait, MatTraitConst,
-        MatTraitConstManual, MatTraitManual, Rect, Scalar, Size as CvSize, Vec3f,
+        MatTraitConstManual, MatTraitManual, Point2f, Rect, Scalar, Size as CvSize, TermCriteria,
+        TermCriteria_COUNT, TermCriteria_EPS, Vec3b, Vec3f, Vector,
     },
-    imgproc,
+    imgproc, video,
 };
 
-use super::{BackgroundMotion, FlowQuality, WorkScale, background_motion, dense_flow, fill_smoothly};
+use super::{BackgroundMotion, FlowQuality, WorkScale, dense_flow, fill_smoothly};
 
 /// A picture of the background with holes, at work scale.
 #[derive(Debug)]
@@ -23,8 +27,8 @@ pub struct View {
     /// CV_8UC1, work size: 255 where the background is really shown, 0 where an actor, an object
     /// or nothing is.
     pub valid: Mat,
-    /// CV_8UC1, work size: the complement of `valid`.
-    pub blocked: Mat,
+    /// Corners of the background, found when first asked for.
+    corners: OnceLock<Vec<Point2f>>,
 }
 
 impl View {
@@ -38,11 +42,102 @@ impl View {
         let mut gray = Mat::default();
         imgproc::cvt_color_def(&colour, &mut gray, imgproc::COLOR_RGB2GRAY)?;
         let shrunk = scale.shrink(blocked)?;
-        let (mut valid, mut blocked) = (Mat::default(), Mat::default());
+        let mut valid = Mat::default();
         imgproc::threshold(&shrunk, &mut valid, 0.0, 255.0, imgproc::THRESH_BINARY_INV)?;
-        opencv::core::bitwise_not_def(&valid, &mut blocked)?;
-        Ok(Self { scale, colour, gray, valid, blocked })
+        Ok(Self { scale, colour, gray, valid, corners: OnceLock::new() })
     }
+
+    /// Shi-Tomasi corners of the background, at most [`CORNERS`].
+    fn corners(&self) -> opencv::Result<&[Point2f]> {
+        if let Some(corners) = self.corners.get() {
+            return Ok(corners);
+        }
+        let mut found = Vector::<Point2f>::new();
+        let spacing = (f64::from(self.gray.cols()) / 64.0).max(4.0);
+        imgproc::good_features_to_track(
+            &self.gray,
+            &mut found,
+            CORNERS,
+            0.01,
+            spacing,
+            &self.valid,
+            5,
+            false,
+            0.04,
+        )?;
+        Ok(self.corners.get_or_init(|| found.iter().collect()))
+    }
+
+    /// How this view's background moved into `shown` (CV_8UC1, work size): corners that lie inside
+    /// `usable` there, tracked by pyramidal Lucas-Kanade, fitted by seeded RANSAC.
+    ///
+    /// `None` with fewer than 12 agreeing corners or less than 30 % agreement.
+    ///
+    /// # Errors
+    /// When OpenCV fails.
+    pub fn motion_into(&self, shown: &Mat, usable: Option<&Mat>) -> opencv::Result<Option<Matrix3<f64>>> {
+        let mut from = Vector::<Point2f>::new();
+        for corner in self.corners()? {
+            let inside = match usable {
+                Some(usable) => *usable.at_2d::<u8>(corner.y as i32, corner.x as i32)? != 0,
+                None => true,
+            };
+            if inside {
+                from.push(*corner);
+            }
+        }
+        if from.len() < 12 {
+            return Ok(None);
+        }
+        let (mut to, mut seen, mut errors) =
+            (Vector::<Point2f>::new(), Vector::<u8>::new(), Vector::<f32>::new());
+        let stop = TermCriteria::new(TermCriteria_COUNT + TermCriteria_EPS, 20, 0.02)?;
+        let window = CvSize::new(15, 15);
+        video::calc_optical_flow_pyr_lk(
+            &self.gray,
+            shown,
+            &from,
+            &mut to,
+            &mut seen,
+            &mut errors,
+            window,
+            3,
+            stop,
+            0,
+            1e-4,
+        )?;
+        let (mut a, mut b) = (Vector::<Point2f>::new(), Vector::<Point2f>::new());
+        for i in 0..from.len() {
+            if seen.get(i)? != 0 && errors.get(i)? < 20.0 {
+                a.push(from.get(i)?);
+                b.push(to.get(i)?);
+            }
+        }
+        fitted(&a, &b)
+    }
+}
+
+/// Corners tracked a view.
+const CORNERS: i32 = 350;
+
+/// A homography by RANSAC at 1.5 px.
+fn fitted(from: &Vector<Point2f>, to: &Vector<Point2f>) -> opencv::Result<Option<Matrix3<f64>>> {
+    if from.len() < 12 {
+        return Ok(None);
+    }
+    let mut agreeing = Mat::default();
+    opencv::core::set_rng_seed(1)?;
+    let found = calib3d::find_homography(from, to, &mut agreeing, calib3d::RANSAC, 1.5)?;
+    let inliers = opencv::core::count_non_zero(&agreeing)? as usize;
+    if found.empty() || inliers < 12 || (inliers as f64) < 0.3 * from.len() as f64 {
+        return Ok(None);
+    }
+    let mut homography = Matrix3::zeros();
+    for (i, value) in found.data_typed::<f64>()?.iter().enumerate() {
+        homography[(i / 3, i % 3)] = *value;
+    }
+    let sound = homography.iter().all(|v| v.is_finite()) && homography.determinant().abs() > 1e-9;
+    Ok(sound.then_some(homography))
 }
 
 /// Where each pixel of a target view lies in a source view.
@@ -87,12 +182,10 @@ impl Registration {
     ) -> opencv::Result<Option<Warp>> {
         let shown = warp_work(&source.gray, guess, target, imgproc::INTER_LINEAR)?;
         let usable = both_valid(target, source, guess)?;
-        let mut excluded = Mat::default();
-        opencv::core::bitwise_not_def(&usable, &mut excluded)?;
-        let Some(motion) = background_motion(&target.gray, &shown, Some(&excluded))? else {
+        let Some(motion) = target.motion_into(&shown, Some(&usable))? else {
             return Ok(None);
         };
-        let work = guess * motion.homography;
+        let work = guess * motion;
         let homography = to_full_size(&work, target.scale, source.scale);
         if let Some(still) = still
             && farthest_corner(&homography, still, target.scale) < STILL
@@ -300,7 +393,8 @@ impl Residual {
 
 /// What to add to `source` (CV_8UC3) so that its colours meet `target`'s (CV_8UC3), given where both are
 /// valid (CV_8UC1, 255): measured in cells of `cell` pixels, completed smoothly, at cell resolution
-/// (CV_32FC3). Differences beyond `limit` levels count as misregistration and are ignored.
+/// (CV_32FC3). Differences that leave the median by more than `limit` levels count as shadow or misregistration
+/// and are ignored.
 ///
 /// # Errors
 /// When OpenCV fails.
@@ -323,8 +417,13 @@ pub fn colour_offset(target: &Mat, source: &Mat, valid: &Mat, cell: i32, limit: 
         if *share >= 64 {
             let whole = 255.0 / f32::from(*share);
             values[i] = [mean[0] * whole, mean[1] * whole, mean[2] * whole];
-            let within = values[i].iter().all(|v| v.abs() <= limit);
-            weights[i] = if within { f32::from(*share) / 255.0 } else { 0.0 };
+            weights[i] = f32::from(*share) / 255.0;
+        }
+    }
+    let typical = medians(&values, &weights);
+    for (value, weight) in values.iter().zip(&mut weights) {
+        if value.iter().zip(typical).any(|(v, typical)| (v - typical).abs() > limit) {
+            *weight = 0.0;
         }
     }
     fill_smoothly(&mut values, &weights, size.width as usize, size.height as usize);
@@ -335,4 +434,69 @@ pub fn colour_offset(target: &Mat, source: &Mat, valid: &Mat, cell: i32, limit: 
     let mut smooth = Mat::default();
     imgproc::gaussian_blur(&offset, &mut smooth, CvSize::new(5, 5), 1.0, 1.0, BORDER_REPLICATE)?;
     Ok(smooth)
+}
+
+/// The median of each channel over values with any weight; zeros without one.
+fn medians(values: &[[f32; 3]], weights: &[f32]) -> [f32; 3] {
+    std::array::from_fn(|channel| {
+        let known = values.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
+        let mut known: Vec<f32> = known.map(|(value, _)| value[channel]).collect();
+        known.sort_by(f32::total_cmp);
+        known.get(known.len() / 2).copied().unwrap_or(0.0)
+    })
+}
+
+/// Where the scene itself changed between two registered work pictures (CV_8UC3, colours already alike):
+/// per cell of `cell` pixels the share of change other than of brightness, 0 to 1, measured where both are valid and carried
+/// smoothly into the rest (CV_32FC1). Cell means that differ by more than `limit` levels count as change.
+///
+/// # Errors
+/// When OpenCV fails.
+pub fn scene_change(target: &Mat, source: &Mat, valid: &Mat, cell: i32, limit: f32) -> opencv::Result<Mat> {
+    let size = CvSize::new((target.cols() / cell).max(1), (target.rows() / cell).max(1));
+    let mut invalid = Mat::default();
+    opencv::core::bitwise_not_def(valid, &mut invalid)?;
+    let means = |picture: &Mat| -> opencv::Result<Mat> {
+        let (mut kept, mut coarse) = (picture.try_clone()?, Mat::default());
+        kept.set_to(&Scalar::all(0.0), &invalid)?;
+        imgproc::resize(&kept, &mut coarse, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+        Ok(coarse)
+    };
+    let (a, b) = (means(target)?, means(source)?);
+    let mut shares = Mat::default();
+    imgproc::resize(valid, &mut shares, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+    let (a, b, shares) = (a.data_typed::<Vec3b>()?, b.data_typed::<Vec3b>()?, shares.data_typed::<u8>()?);
+    let mut values = vec![[0.0_f32; 1]; shares.len()];
+    let mut weights = vec![0.0_f32; shares.len()];
+    for (i, share) in shares.iter().enumerate().filter(|(_, share)| **share >= 128) {
+        let whole = 255.0 / f32::from(*share);
+        let (a, b) = (a[i].0.map(f32::from), b[i].0.map(f32::from));
+        // A shadow scales all channels alike: only what no plausible scale explains is change.
+        let scale = (a.iter().sum::<f32>() / b.iter().sum::<f32>().max(1.0)).clamp(0.4, 2.5);
+        let differs = (0..3).any(|c| (a[c] - scale * b[c]).abs() * whole > limit * scale.max(1.0));
+        values[i] = [if differs { 1.0 } else { 0.0 }];
+        weights[i] = f32::from(*share) / 255.0;
+    }
+    fill_smoothly(&mut values, &weights, size.width as usize, size.height as usize);
+    let mut change = Mat::new_rows_cols_with_default(size.height, size.width, CV_32FC1, Scalar::all(0.0))?;
+    for (to, value) in change.data_typed_mut::<f32>()?.iter_mut().zip(&values) {
+        *to = value[0];
+    }
+    Ok(change)
+}
+
+/// The part `region` of a full-size picture of size `full`, enlarged from a coarse map of the whole of it.
+///
+/// # Errors
+/// When OpenCV fails.
+pub fn enlarged_part(coarse: &Mat, full: crate::geometry::Size, region: Rect) -> opencv::Result<Mat> {
+    let (sx, sy) =
+        (f64::from(coarse.cols()) / f64::from(full.width), f64::from(coarse.rows()) / f64::from(full.height));
+    let place = |at: i32, s: f64| (f64::from(at) + 0.5) * s - 0.5;
+    let map = Mat::from_slice_2d(&[[sx, 0.0, place(region.x, sx)], [0.0, sy, place(region.y, sy)]])?;
+    let mut part = Mat::default();
+    let size = CvSize::new(region.width, region.height);
+    let flags = imgproc::INTER_LINEAR | imgproc::WARP_INVERSE_MAP;
+    imgproc::warp_affine(coarse, &mut part, &map, size, flags, BORDER_REPLICATE, Scalar::default())?;
+    Ok(part)
 }
