@@ -70,9 +70,9 @@ fn spread_inner_colours(crop: &Rgb8, inner: &Plane) -> Result<[Plane; 3], Templa
             let data = crop.pixels().zip(&sure.data).map(|(p, w)| f32::from(p[channel]) * w).collect();
             blurred.push(blur(&Plane { width, height, data }, sigma)?);
         }
-        for at in 0..missing.len() {
-            if missing[at] && weight.data[at] > 0.01 {
-                missing[at] = false;
+        for (at, missing) in missing.iter_mut().enumerate() {
+            if *missing && weight.data[at] > 0.01 {
+                *missing = false;
                 for channel in 0..3 {
                     out[channel].data[at] = blurred[channel].data[at] / weight.data[at];
                 }

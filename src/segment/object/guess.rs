@@ -61,7 +61,7 @@ pub(super) fn moving(
     let Some(background) = fit_similarity(&around).filter(|fit| fit.agreement > 0.5) else { return Ok(None) };
     let mut moving = vec![0; roi.area()];
     let (mut inside, mut moved) = (0_u32, 0_u32);
-    for at in 0..wide.area() {
+    for (at, class) in classes.iter().enumerate() {
         if !in_box(at) {
             continue;
         }
@@ -70,7 +70,7 @@ pub(super) fn moving(
         let w = flow.forward.vectors()[at];
         let still = super::keyframe::apply(&background.transform, x, y);
         let off = (x + f64::from(w[0]) - still.0).hypot(y + f64::from(w[1]) - still.1);
-        if off > 2.0 && classes[at] < arm::MASK {
+        if off > 2.0 && *class < arm::MASK {
             moved += 1;
             moving[(y as usize - roi.y) * roi.width + x as usize - roi.x] = 1;
         }

@@ -132,10 +132,10 @@ pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Resu
         growth: whole / state.root_area.max(1.0),
     };
     let visible = exposed / whole.max(1.0);
-    let sought = visible > 0.35 && exposed > 25.0;
+    let sought = visible > 0.6 && exposed > 25.0;
     // Off the picture, or nearly.
     let gone = whole < 0.3 * state.key.area;
-    let lost = gone || sought && (measures.overlap < 0.25 || measures.colour > 0.8);
+    let lost = gone || sought && measures.overlap < 0.25;
     let missing = if lost {
         state.missing + 1
     } else if sought {
