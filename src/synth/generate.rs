@@ -119,7 +119,7 @@ fn plan(spec: &EpisodeSpec, kind: ObjectKind, shape: &ObjectShape, rng: &mut Pcg
     let drawn = rng.random_bool(0.5);
     let both = spec.both_hands.unwrap_or(drawn);
     let script = Script::random(kind, grasp, shape, &hand, both, camera.focus(), rng);
-    let sleeve = rng.random_bool(0.5).then(|| rng.random_range(0.035..0.12));
+    let sleeve = rng.random_bool(0.5).then(|| rng.random_range(0.07..0.17));
     Plan { spec: spec.clone(), pinhole, hand, camera, script, sleeve }
 }
 
@@ -178,7 +178,7 @@ fn cover(
     // The forearm's back turns with the hand, a little less than the hand itself.
     let back = Vector3::y() - direction * direction.y;
     let back = back.try_normalize(1e-6).unwrap_or_else(Vector3::z);
-    let arm = Forearm { direction, back, length: 0.34, sleeve: plan.sleeve };
+    let arm = Forearm { direction, back, length: 0.42, sleeve: plan.sleeve };
     let (mut skin, mut sleeve) = skin::cover(&plan.hand, posed, &arm, SKIN_CELL);
     for soup in [&mut skin, &mut sleeve] {
         if side == Side::Right {
@@ -287,10 +287,9 @@ fn store(
 fn straighten(rgba: &mut [u8]) {
     for pixel in rgba.as_chunks_mut::<4>().0 {
         let alpha = u32::from(pixel[3]);
-        if alpha > 0 {
-            for channel in &mut pixel[..3] {
-                *channel = ((u32::from(*channel) * 255 + alpha / 2) / alpha).min(255) as u8;
-            }
+        for channel in &mut pixel[..3] {
+            let straight = (u32::from(*channel) * 255 + alpha / 2).checked_div(alpha);
+            *channel = straight.unwrap_or(0).min(255) as u8;
         }
     }
 }

@@ -25,7 +25,7 @@ impl GraspKind {
     pub fn of(kind: ObjectKind, chance: f64) -> Self {
         match kind {
             ObjectKind::Ball | ObjectKind::Tool => Self::Pinch,
-            ObjectKind::Box | ObjectKind::Can if chance < 0.4 => Self::Pinch,
+            ObjectKind::Box | ObjectKind::Can if chance < 0.25 => Self::Pinch,
             _ => Self::Wrap,
         }
     }

@@ -108,7 +108,7 @@ fn minimum_jerk(t: f64) -> f64 {
 }
 
 fn elbow_of(side: Side) -> Vector3<f64> {
-    Vector3::new(if side == Side::Right { 0.36 } else { -0.36 }, -0.08, -0.03)
+    Vector3::new(if side == Side::Right { 0.31 } else { -0.31 }, -0.12, -0.03)
 }
 
 fn turn_towards(side: Side, x: f64, y: f64) -> f64 {

@@ -122,12 +122,12 @@ fn sleeve_flesh(shape: &HandShape, arm: &Forearm, begin: f64) -> Flesh {
             tag: TAG_SLEEVE,
         });
     };
-    ring(begin + 0.02, 0.050, 0.02);
+    ring(begin + 0.02, 0.044, 0.02);
     let mut t = begin + 0.045;
     let mut fold = 0;
     while t < arm.length {
-        let grow = 0.010 * (t - begin) / 0.2;
-        ring(t, 0.048 + grow + 0.0025 * f64::from(fold % 3), 0.018);
+        let grow = 0.007 * (t - begin) / 0.2;
+        ring(t, 0.044 + grow + 0.0025 * f64::from(fold % 3), 0.018);
         t += 0.034 + 0.006 * f64::from(fold % 2);
         fold += 1;
     }
@@ -156,7 +156,7 @@ pub fn cover(shape: &HandShape, hand: &PosedHand, arm: &Forearm, cell: f64) -> (
         .collect();
     let skin = soup(&surface, &uv);
     let sleeve = arm.sleeve.map(|begin| {
-        let surface = sleeve_flesh(shape, arm, begin).triangulate(cell * 1.4);
+        let surface = sleeve_flesh(shape, arm, begin).triangulate(cell * 1.8);
         let uv: Vec<_> = surface.vertices.iter().map(|p| cloth_uv(arm, p)).collect();
         soup(&surface, &uv)
     });
@@ -228,7 +228,7 @@ fn finger_tint(bone: &Bone, tag: usize, unit: f64, local: &Vector3<f64>, back: f
             * (1.0 - smoothstep(width - 1.0, width + 1.0, local.z.abs()));
         return inside * on_back * 0.62;
     }
-    let to_joint = (length - local.x).abs().min(if tag % 3 == 0 { f64::MAX } else { local.x.abs() });
+    let to_joint = (length - local.x).abs().min(if tag.is_multiple_of(3) { f64::MAX } else { local.x.abs() });
     let crease = 0.5 + 0.5 * (local.x * 1.9).cos();
     on_back * (1.0 - smoothstep(2.5, 7.0, to_joint)) * (0.10 + 0.12 * crease)
 }
