@@ -99,6 +99,9 @@ impl Scene {
     ) -> Result<Self, SynthError> {
         let mut meshes = room(focus, rng);
         meshes.extend(clutter(keep_clear, focus, rng));
+        let first_hand = meshes.len();
+        meshes.extend(hand_meshes(rng));
+        // Last, as MuJoCo numbers the geoms of the world's body before those of other bodies.
         meshes.push(Mesh {
             name: "object".into(),
             capacity: 0,
@@ -109,8 +112,6 @@ impl Scene {
             shine: rng.random_range(0.05..0.4),
             pose: Isometry3::identity(),
         });
-        let first_hand = meshes.len();
-        meshes.extend(hand_meshes(rng));
         let light = light(rng);
         let model = build(&meshes, &light)?;
         let renderer = Offscreen::new(&model, size, 4, DeviceChoice::Auto)?;
@@ -379,7 +380,6 @@ fn build(meshes: &[Mesh], light: &str) -> Result<MjModel, SynthError> {
          <asset>{assets}</asset><worldbody>{light}{world}</worldbody></mujoco>"
     );
     let mut model = MjModel::from_xml_string(&xml).map_err(|error| SynthError::Scene(error.to_string()))?;
-    // Geoms of the world body come first in MuJoCo's order, so names tell which is which.
     for (index, mesh) in meshes.iter().enumerate() {
         let start = usize::try_from(model.tex_adr()[index]).unwrap_or(0);
         model.tex_data_mut()[start..start + mesh.texels.len()].copy_from_slice(&mesh.texels);
