@@ -181,8 +181,8 @@ fn measure(
     let mask = plane(mask_bytes.iter().map(|v| f32::from(*v)).collect());
     // An arm, where the mask does not show the object, hides what lies below and the border there.
     let hidden = |at: usize| classes[at] >= arm::MASK && mask_bytes[at] == 0;
-    let clear = plane((0..roi.area()).map(|at| f32::from(u8::from(!hidden(at)))).collect()).blurred(1.5)?;
-    let border_trust = plane(clear.data.iter().map(|v| ((v - 0.6) / 0.4).clamp(0.0, 1.0)).collect());
+    let clear = plane((0..roi.area()).map(|at| f32::from(u8::from(!hidden(at)))).collect()).blurred(2.5)?;
+    let border_trust = plane(clear.data.iter().map(|v| ((v - 0.9) / 0.1).clamp(0.0, 1.0)).collect());
     let texture_trust = mask.blurred(1.0)?;
     let soft_mask = mask.blurred(1.5)?;
     let wide_mask = mask.blurred(4.0)?;
