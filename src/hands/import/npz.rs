@@ -35,6 +35,9 @@ pub(super) fn parse(file: std::fs::File, single_side: Side) -> Result<RawTrack, 
     Ok(RawTrack { hands, fps })
 }
 
+/// An array's shape and its values, row by row.
+type Numbers = (Vec<u64>, Vec<f64>);
+
 /// A row; `None` where a coordinate is NaN.
 fn to_row(values: &[f64]) -> Option<Joints> {
     let joint = |k: usize| Vector3::new(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
@@ -46,7 +49,7 @@ fn numbers<R: Read + Seek>(
     archive: &mut NpzArchive<R>,
     name: &str,
     most: usize,
-) -> Result<Option<(Vec<u64>, Vec<f64>)>, String> {
+) -> Result<Option<Numbers>, String> {
     let array = archive.by_name(name).map_err(|e| format!("{name}: {e}"))?;
     let Some(array) = array else { return Ok(None) };
     let shape = array.shape().to_vec();
