@@ -7,9 +7,10 @@ use agenticfocus::{
     clip::FrameIndex,
     geometry::{Pixel, Side, Size},
     image::Mask,
+    retarget::Beta,
     segment::RleMask,
     session::{
-        Author, Beta, Command, Document, Entry, HandEdit, History, MaskEdit, MaskLayer, RetargetSettings,
+        Author, Command, Document, Entry, HandEdit, History, MaskEdit, MaskLayer, RetargetSettings,
         ReviewState, Session, SessionError, SessionLock, parse_journal,
     },
 };
@@ -40,7 +41,7 @@ fn command() -> impl Strategy<Value = Command> {
             Command::SetHandEdit { frame, side, edit: Some(HandEdit { keypoints, invalid }) }
         }),
         (0.05..5.0_f64).prop_map(|beta| Command::SetRetarget(RetargetSettings {
-            beta: Some(Beta::Value(beta)),
+            beta: Some(Beta::Fixed(beta)),
             ..RetargetSettings::default()
         })),
         Just(Command::SetReview(ReviewState::Accepted)),

@@ -96,6 +96,54 @@ pub(super) struct BatchArguments {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub(super) enum Verb {
+    /// Make a synthetic episode, run the whole pipeline on it and report; needs nothing but the install
+    Demo {
+        /// Folder for the episode and the results
+        #[arg(long, value_name = "DIR", default_value = "out/demo")]
+        out: PathBuf,
+        /// Seed of the episode
+        #[arg(long, default_value_t = 3)]
+        seed: u64,
+        /// Frames of the episode, at 30 a second
+        #[arg(long, value_name = "N")]
+        frames: Option<u32>,
+    },
+    /// Make synthetic episodes with exact truth for every stage
+    Synth {
+        /// How many
+        #[arg(long, value_name = "N", default_value_t = 1)]
+        episodes: u32,
+        /// Seed of the first; the others follow
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Frames of each, at 30 a second
+        #[arg(long, value_name = "N")]
+        frames: Option<u32>,
+        /// Folder for the episodes
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Score every stage and the whole on synthetic truth, as a table or JSON
+    Bench(BenchArguments),
+    /// Check or import a robot description
+    Robot {
+        #[command(subcommand)]
+        verb: RobotVerb,
+    },
+    /// Open the operator's window (the program agenticfocus-ui)
+    Ui {
+        /// A clip, a session or a folder
+        input: Option<PathBuf>,
+    },
+    /// Process one clip for a batch; it speaks JSON on standard input and output
+    #[command(hide = true)]
+    ClipWorker {
+        /// Threads it may use
+        #[arg(long, default_value_t = 1)]
+        threads: usize,
+        /// The batch's output folder
+        out: PathBuf,
+    },
     /// Say what is installed, which back end each stage uses, and the command for what is missing
     Doctor {
         /// Print JSON
@@ -109,5 +157,37 @@ pub(super) enum Verb {
         /// Print JSON
         #[arg(long)]
         json: bool,
+    },
+}
+
+/// `bench`.
+#[derive(Debug, Args)]
+pub(super) struct BenchArguments {
+    /// Seed of the first episode; 1 to 99 were used for tuning, report on 1000 and above
+    #[arg(long, default_value_t = 1000)]
+    pub(super) seed: u64,
+    /// How many episodes
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub(super) episodes: u32,
+    /// Print JSON: {"figures": {KEY: number, …}}
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Keep episodes and results in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+}
+
+/// `robot check` and `robot import`.
+#[derive(Debug, Subcommand)]
+pub(super) enum RobotVerb {
+    /// Report what a description holds, or the first thing that is wrong with it
+    Check {
+        /// The URDF file
+        path: PathBuf,
+    },
+    /// Check, decimate and store a description, and make it the default robot
+    Import {
+        /// The URDF file
+        path: PathBuf,
     },
 }

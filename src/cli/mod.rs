@@ -2,9 +2,15 @@
 
 mod args;
 mod batch;
+mod bench;
+mod demo;
 mod doctor;
 mod progress;
+mod robot;
 mod status;
+mod synth;
+mod ui;
+mod worker;
 
 use std::process::ExitCode as ProcessExit;
 
@@ -26,6 +32,14 @@ struct Failure {
 impl Failure {
     fn new(exit: ExitCode, message: impl std::fmt::Display) -> Self {
         Self { exit, message: message.to_string() }
+    }
+}
+
+impl Failure {
+    /// With the class that the error's chain of causes says, internal where it says nothing.
+    fn from_error(error: &(dyn std::error::Error + 'static)) -> Self {
+        let failure = crate::pipeline::ClipFailure::from_error(error, ExitCode::Internal);
+        Self::new(failure.exit, failure.message)
     }
 }
 
@@ -59,6 +73,12 @@ pub fn run() -> ProcessExit {
 fn dispatch(arguments: Arguments) -> Outcome {
     let Arguments { batch, verb } = arguments;
     match verb {
+        Some(Verb::Demo { out, seed, frames }) => demo::run(&out, seed, frames),
+        Some(Verb::Synth { episodes, seed, frames, out }) => synth::run(&out, episodes, seed, frames),
+        Some(Verb::Bench(arguments)) => bench::run(&arguments),
+        Some(Verb::Robot { verb }) => robot::run(&verb),
+        Some(Verb::Ui { input }) => ui::run(input.as_deref()),
+        Some(Verb::ClipWorker { threads, out }) => worker::run(&out, threads),
         Some(Verb::Doctor { json }) => doctor::run(json),
         Some(Verb::Status { out, json }) => status::run(&out, json),
         None => batch::run(&batch),

@@ -3,15 +3,21 @@
 use std::{
     collections::BTreeMap,
     io::IsTerminal as _,
-    sync::{Mutex, PoisonError},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
     time::{Duration, Instant},
 };
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use crate::pipeline::{
-    ExitCode,
-    batch::{BatchEvent, WorkerMessage},
+use crate::{
+    pipeline::{
+        ExitCode,
+        batch::{BatchEvent, WorkerMessage},
+    },
+    progress::Watch,
 };
 
 /// Between two plain lines about one clip.
@@ -106,5 +112,49 @@ impl BatchProgress {
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, ClipProgress>> {
         self.clips.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Progress of one piece of work: a bar on a terminal, one line otherwise.
+pub(super) struct SimpleProgress<'a> {
+    bar: Option<ProgressBar>,
+    cancel: &'a AtomicBool,
+}
+
+impl<'a> SimpleProgress<'a> {
+    pub(super) fn new(name: &str, cancel: &'a AtomicBool) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(1);
+            if let Ok(style) = ProgressStyle::with_template("{prefix:20!} {bar:30} {pos}/{len} {eta:>4}") {
+                bar.set_style(style);
+            }
+            bar.set_prefix(name.to_owned());
+            bar
+        });
+        if bar.is_none() {
+            eprintln!("{name}: started");
+        }
+        Self { bar, cancel }
+    }
+}
+
+impl Watch for SimpleProgress<'_> {
+    fn advance(&self, done: usize, total: usize) {
+        if let Some(bar) = &self.bar {
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for SimpleProgress<'_> {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
     }
 }

@@ -91,21 +91,34 @@ impl CameraSpec {
 }
 
 /// A clockwise turn of the picture.
+///
+/// Written as clockwise degrees: 0, 90, 180 or 270.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "u32", into = "u32")]
 pub enum Rotation {
     /// As decoded.
     #[default]
-    #[serde(rename = "0")]
     Deg0,
     /// A quarter turn clockwise.
-    #[serde(rename = "90")]
     Deg90,
     /// Upside down.
-    #[serde(rename = "180")]
     Deg180,
     /// A quarter turn counter-clockwise.
-    #[serde(rename = "270")]
     Deg270,
+}
+
+impl TryFrom<u32> for Rotation {
+    type Error = String;
+    fn try_from(degrees: u32) -> Result<Self, String> {
+        let refused = || format!("rotate = {degrees}: expected 0, 90, 180 or 270 degrees clockwise");
+        Self::from_degrees(degrees).ok_or_else(refused)
+    }
+}
+
+impl From<Rotation> for u32 {
+    fn from(rotation: Rotation) -> Self {
+        rotation.degrees()
+    }
 }
 
 impl Rotation {

@@ -53,6 +53,19 @@ impl Rgb8 {
     }
 }
 
+impl Rgb8 {
+    /// The picture at another size, averaged where it shrinks.
+    ///
+    /// # Errors
+    /// When OpenCV cannot allocate.
+    pub fn resized(&self, size: Size) -> opencv::Result<Self> {
+        let mut small = Mat::default();
+        let to = opencv::core::Size::new(size.width as i32, size.height as i32);
+        opencv::imgproc::resize(&self.to_mat()?, &mut small, to, 0.0, 0.0, opencv::imgproc::INTER_AREA)?;
+        Self::from_mat(&small)
+    }
+}
+
 impl Rgba8 {
     /// A CV_8UC4 matrix in RGBA order.
     ///

@@ -1,5 +1,7 @@
 //! RGB and RGBA pictures.
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::Size;
 
 /// An 8-bit sRGB picture, rows top to bottom, `[r, g, b]` a pixel.
@@ -10,10 +12,26 @@ pub struct Rgb8 {
 }
 
 /// An 8-bit sRGB picture with straight (not premultiplied) alpha, `[r, g, b, a]` a pixel.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedRgba8")]
 pub struct Rgba8 {
     size: Size,
     data: Vec<u8>,
+}
+
+#[derive(Deserialize)]
+struct UncheckedRgba8 {
+    size: Size,
+    data: Vec<u8>,
+}
+
+impl TryFrom<UncheckedRgba8> for Rgba8 {
+    type Error = String;
+    fn try_from(raw: UncheckedRgba8) -> Result<Self, String> {
+        let found = raw.data.len();
+        Self::from_data(raw.size, raw.data)
+            .ok_or_else(|| format!("{found} bytes for a {} RGBA picture", raw.size))
+    }
 }
 
 macro_rules! picture {
@@ -76,3 +94,21 @@ macro_rules! picture {
 
 picture!(Rgb8, 3);
 picture!(Rgba8, 4);
+
+impl Rgba8 {
+    /// Draws this picture over `ground`, which has the same size.
+    ///
+    /// # Panics
+    /// When the sizes differ: callers layer pictures of one clip.
+    pub fn draw_over(&self, ground: &mut Rgb8) {
+        assert_eq!(self.size, ground.size, "pictures of one clip have one size");
+        let pairs = ground.data.as_chunks_mut::<3>().0.iter_mut().zip(self.pixels());
+        for (below, [r, g, b, alpha]) in pairs.filter(|(_, above)| above[3] > 0) {
+            let alpha = u32::from(*alpha);
+            for (under, over) in below.iter_mut().zip([r, g, b]) {
+                let mixed = u32::from(*over) * alpha + u32::from(*under) * (255 - alpha);
+                *under = ((mixed + 127) / 255) as u8;
+            }
+        }
+    }
+}

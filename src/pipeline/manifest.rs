@@ -5,10 +5,13 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::Matrix3;
 use serde::Deserialize;
 
-use crate::session::{Beta, CameraRotation, CameraSetting, RetargetSettings, Rotation};
+use crate::{
+    clip::{CameraSpec, Rotation},
+    retarget::{Beta, CameraAngles, CameraRotation},
+    session::RetargetSettings,
+};
 
 /// A list of clips.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -115,16 +118,8 @@ enum Fit {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "expected R_cam to be { pitch_deg, yaw_deg, roll_deg } or a 3×3 list of rows")]
 enum ManifestRotation {
-    Angles(ManifestAngles),
+    Angles(CameraAngles),
     Rows([[f64; 3]; 3]),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ManifestAngles {
-    pitch_deg: Option<f64>,
-    yaw_deg: Option<f64>,
-    roll_deg: Option<f64>,
 }
 
 /// Why a manifest was refused.
@@ -203,12 +198,10 @@ fn parse_json_lines(path: &Path, text: &str) -> Result<Manifest, ManifestError> 
 
 impl ManifestCamera {
     /// As a session keeps it.
-    pub(super) fn setting(&self) -> Result<CameraSetting, String> {
+    pub(super) fn setting(&self) -> Result<CameraSpec, String> {
         match (self.fx, self.fy, self.cx, self.cy, self.hfov_deg) {
-            (Some(fx), Some(fy), Some(cx), Some(cy), None) => {
-                Ok(CameraSetting::Intrinsics { fx, fy, cx, cy })
-            }
-            (None, None, None, None, Some(degrees)) => Ok(CameraSetting::HorizontalFov(degrees)),
+            (Some(fx), Some(fy), Some(cx), Some(cy), None) => Ok(CameraSpec::Intrinsics { fx, fy, cx, cy }),
+            (None, None, None, None, Some(degrees)) => Ok(CameraSpec::HorizontalFov(degrees)),
             _ => Err("camera: expected either fx, fy, cx and cy, or hfov_deg alone".to_owned()),
         }
     }
@@ -219,25 +212,13 @@ pub(super) fn retarget_settings(clip: &ManifestClip) -> RetargetSettings {
     let params = clip.params.unwrap_or_default();
     RetargetSettings {
         beta: params.beta.map(|beta| match beta {
-            ManifestBeta::Value(value) => Beta::Value(value),
+            ManifestBeta::Value(value) => Beta::Fixed(value),
             ManifestBeta::Word(Fit::Fit) => Beta::Fit,
         }),
         alpha: params.alpha,
         camera_rotation: params.rotation.map(|rotation| match rotation {
-            ManifestRotation::Angles(angles) => {
-                let CameraRotation::Angles { pitch_deg, yaw_deg, roll_deg } = CameraRotation::default()
-                else {
-                    unreachable!("the default rotation is given by angles")
-                };
-                CameraRotation::Angles {
-                    pitch_deg: angles.pitch_deg.unwrap_or(pitch_deg),
-                    yaw_deg: angles.yaw_deg.unwrap_or(yaw_deg),
-                    roll_deg: angles.roll_deg.unwrap_or(roll_deg),
-                }
-            }
-            ManifestRotation::Rows(rows) => {
-                CameraRotation::Matrix(Matrix3::from_fn(|row, column| rows[row][column]))
-            }
+            ManifestRotation::Angles(angles) => CameraRotation::Angles(angles),
+            ManifestRotation::Rows(rows) => CameraRotation::Rows(rows),
         }),
         offset: params.offset,
         hand_length: clip.hands.as_ref().and_then(|hands| hands.length_mm).map(|mm| mm / 1000.0),

@@ -4,7 +4,6 @@ mod motion;
 
 #[cfg(feature = "engine")]
 mod beta;
-#[cfg(feature = "engine")]
 mod error;
 #[cfg(feature = "engine")]
 mod filter;
@@ -14,7 +13,6 @@ mod grip;
 mod human;
 #[cfg(feature = "engine")]
 mod mapping;
-#[cfg(feature = "engine")]
 mod params;
 #[cfg(feature = "engine")]
 mod rest;
@@ -37,10 +35,8 @@ mod view;
 
 #[cfg(feature = "engine")]
 pub use beta::reachable_share_of;
-#[cfg(feature = "engine")]
 pub use error::RetargetError;
 pub use motion::{CameraMap, RobotMotion, SideReport};
-#[cfg(feature = "engine")]
 pub use params::{Beta, CameraAngles, CameraRotation, Cutoff, Pinch, RetargetParams, Smoothing, Weights};
 #[cfg(feature = "engine")]
 pub use score::{IkScore, score_ik};

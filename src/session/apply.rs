@@ -4,8 +4,12 @@ use std::mem::replace;
 
 use nalgebra::Matrix3;
 
-use super::{Beta, CameraRotation, CameraSetting, Command, Document, MaskEdit, MaskLayer, RetargetSettings};
-use crate::{clip::FrameIndex, landmarks::KEYPOINT_COUNT};
+use super::{Command, Document, MaskEdit, MaskLayer, RetargetSettings};
+use crate::{
+    clip::{CameraSpec, FrameIndex},
+    landmarks::KEYPOINT_COUNT,
+    retarget::Beta,
+};
 
 /// Why a command was refused. The document is as before.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -121,14 +125,14 @@ fn put<K: Ord, V>(map: &mut std::collections::BTreeMap<K, V>, key: K, value: Opt
     }
 }
 
-fn check_camera(camera: &CameraSetting) -> Result<(), ApplyError> {
+fn check_camera(camera: &CameraSpec) -> Result<(), ApplyError> {
     match *camera {
-        CameraSetting::Unknown => Ok(()),
-        CameraSetting::HorizontalFov(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(()),
-        CameraSetting::HorizontalFov(degrees) => {
+        CameraSpec::Unknown => Ok(()),
+        CameraSpec::HorizontalFov(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(()),
+        CameraSpec::HorizontalFov(degrees) => {
             Err(refuse("hfov_deg", degrees, "an angle above 0 and below 180"))
         }
-        CameraSetting::Intrinsics { fx, fy, cx, cy } => {
+        CameraSpec::Intrinsics { fx, fy, cx, cy } => {
             let fine = fx > 0.0 && fy > 0.0 && [fx, fy, cx, cy].iter().all(|value| value.is_finite());
             if fine { Ok(()) } else { Err(refuse("camera", camera, "finite numbers with fx, fy above 0")) }
         }
@@ -136,7 +140,7 @@ fn check_camera(camera: &CameraSetting) -> Result<(), ApplyError> {
 }
 
 fn check_retarget(settings: &RetargetSettings) -> Result<(), ApplyError> {
-    if let Some(Beta::Value(beta)) = settings.beta
+    if let Some(Beta::Fixed(beta)) = settings.beta
         && !(beta.is_finite() && (0.05..=5.0).contains(&beta))
     {
         return Err(refuse("beta", beta, "a number from 0.05 to 5, or \"fit\""));
@@ -156,19 +160,11 @@ fn check_retarget(settings: &RetargetSettings) -> Result<(), ApplyError> {
     {
         return Err(refuse("hand_length", length, "metres from 0.1 to 0.3"));
     }
-    match settings.camera_rotation {
-        None => Ok(()),
-        Some(CameraRotation::Angles { pitch_deg, yaw_deg, roll_deg }) => {
-            let fine = [pitch_deg, yaw_deg, roll_deg].iter().all(|v| v.is_finite());
-            if fine { Ok(()) } else { Err(refuse("R_cam", settings.camera_rotation, "finite degrees")) }
-        }
-        Some(CameraRotation::Matrix(matrix)) => {
-            let error = (matrix * matrix.transpose() - Matrix3::identity()).norm();
-            if error < 1e-3 && matrix.determinant() > 0.0 {
-                Ok(())
-            } else {
-                Err(refuse("R_cam", matrix, "a rotation matrix (orthonormal, determinant 1)"))
-            }
+    match settings.camera_rotation.map(|rotation| rotation.matrix()) {
+        None | Some(Ok(_)) => Ok(()),
+        Some(Err(_)) => {
+            let expected = "finite degrees, or a rotation matrix (orthonormal, determinant 1)";
+            Err(refuse("R_cam", settings.camera_rotation, expected))
         }
     }
 }

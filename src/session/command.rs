@@ -4,10 +4,13 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    CameraSetting, HandEdit, LayerOrderRange, MaskEdit, MaskId, MaskLayer, ObjectChoice, ObjectProposal,
-    RetargetSettings, ReviewState, SidesSwapped,
+    HandEdit, LayerOrderRange, MaskEdit, MaskId, MaskLayer, ObjectChoice, ObjectProposal, RetargetSettings,
+    ReviewState, SidesSwapped,
 };
-use crate::{clip::FrameIndex, geometry::Side};
+use crate::{
+    clip::{CameraSpec, FrameIndex},
+    geometry::Side,
+};
 
 /// Who did something.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,7 +34,7 @@ pub enum Command {
     /// blake3 of the clip's bytes, once known.
     SetContentHash(String),
     /// The source camera.
-    SetCamera(CameraSetting),
+    SetCamera(CameraSpec),
     /// The ranked proposals.
     SetProposals(Vec<ObjectProposal>),
     /// The chosen object.

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use super::{Author, CameraSetting, MaskId, RetargetSettings, Rotation};
+use super::{Author, MaskId, RetargetSettings};
 use crate::{
-    clip::FrameIndex,
+    clip::{CameraSpec, FrameIndex, Rotation},
     geometry::{PerSide, Pixel, PixelBox},
 };
 
@@ -176,7 +176,7 @@ pub struct Document {
     /// The task in one sentence.
     pub task: Option<String>,
     /// The source camera.
-    pub camera: CameraSetting,
+    pub camera: CameraSpec,
     /// Objects that were proposed, best first.
     pub proposals: Vec<ObjectProposal>,
     /// The object that was chosen.

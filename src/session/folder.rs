@@ -19,6 +19,8 @@ use super::{
 pub struct Session {
     folder: PathBuf,
     history: History,
+    initial: Document,
+    human_edits: u64,
     next_seq: u64,
     last_crc: u32,
     writer: Option<Writer>,
@@ -65,6 +67,8 @@ impl Session {
         let mut session = Self {
             folder: folder.to_owned(),
             history: History::default(),
+            initial: document.clone(),
+            human_edits: 0,
             next_seq: 0,
             last_crc: 0,
             writer: Some(Writer { journal, length: 0, _lock: lock }),
@@ -113,12 +117,19 @@ impl Session {
             return Err(SessionError::JournalShort { expected, found });
         }
         let mut history = History::default();
+        let mut initial = Document::default();
+        let human_edits = parsed.lines.iter().filter(|line| line.author == Author::Human).count() as u64;
         for line in parsed.lines {
+            if let Entry::Create(document) = &line.entry {
+                initial = Document::clone(document);
+            }
             history.apply(line.entry)?;
         }
         let session = Self {
             folder: folder.to_owned(),
             history,
+            initial,
+            human_edits,
             next_seq: found,
             last_crc: parsed.last_crc,
             writer: None,
@@ -134,6 +145,21 @@ impl Session {
     /// The document now.
     pub fn document(&self) -> &Document {
         self.history.document()
+    }
+
+    /// The document the session was created with.
+    pub fn initial_document(&self) -> &Document {
+        &self.initial
+    }
+
+    /// Journal lines written by a person.
+    pub fn human_edits(&self) -> u64 {
+        self.human_edits
+    }
+
+    /// Whether changes are possible.
+    pub fn is_writable(&self) -> bool {
+        self.writer.is_some()
     }
 
     /// Undo and redo depth.
@@ -178,6 +204,7 @@ impl Session {
             return Ok(false);
         }
         let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_millis() as u64);
+        let by_human = u64::from(author == Author::Human);
         let (text, crc) = JournalLine { seq: self.next_seq, time, author, entry }.seal(self.last_crc)?;
         let path = self.folder.join("journal.jsonl");
         let written = writer.journal.write_all(text.as_bytes()).and_then(|()| writer.journal.sync_data());
@@ -188,6 +215,7 @@ impl Session {
         }
         writer.length += text.len() as u64;
         self.history = history;
+        self.human_edits += by_human;
         self.next_seq += 1;
         self.last_crc = crc;
         Ok(true)

@@ -29,7 +29,7 @@ pub use history::{Entry, History};
 pub use journal::{JournalLine, parse_journal};
 pub use lock::{LockHolder, SessionLock};
 pub use mask_store::{MaskId, MaskStore};
-pub use settings::{Beta, CameraRotation, CameraSetting, RetargetSettings, Rotation};
+pub use settings::RetargetSettings;
 
 /// The version of the folder's format that this build writes and the newest it reads.
 pub const FORMAT_VERSION: u32 = 1;

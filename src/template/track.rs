@@ -17,7 +17,7 @@ pub struct Placement {
 }
 
 /// The object cut whole out of a clean frame, and its placements.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TemplateTrack {
     /// The object with soft alpha; pixels are those of the clean frame's crop.
     pub picture: Rgba8,

@@ -3,7 +3,7 @@
 use std::{
     collections::VecDeque,
     io::{self, BufRead as _, BufReader, Write as _},
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Child, ChildStderr, Command, Stdio},
     sync::{Mutex, PoisonError, atomic::AtomicBool, atomic::Ordering},
     thread,
@@ -242,9 +242,4 @@ fn failure(job: &ClipJob, exit: ExitCode, message: String) -> ClipOutcome {
         frames: None,
         flags: Vec::new(),
     }
-}
-
-/// Where a clip's session lies below the output folder.
-pub(crate) fn session_folder(out: &Path, id: &str) -> PathBuf {
-    out.join(format!("{id}.afs"))
 }

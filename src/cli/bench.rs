@@ -1,0 +1,3 @@
+pub(super) fn run(_: &super::args::BenchArguments) -> super::Outcome {
+    todo!()
+}

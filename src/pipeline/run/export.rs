@@ -1,0 +1,184 @@
+//! Robot pictures, layers and files: everything of `out/ID/`.
+
+use std::{
+    path::Path,
+    sync::mpsc::{Receiver, SyncSender, sync_channel},
+    thread,
+};
+
+use super::{
+    Understood,
+    context::Context,
+    layers::{LayerPlan, plan_layers},
+    report::{backends, report},
+    stills,
+};
+use crate::{
+    clip::{FrameIndex, FrameSource as _},
+    composite::{Compositor, FrameLayers, ObjectEvidence},
+    export::{ClipFolder, ExportError, HandLimits, Record, RecordDescription, RecordMeta, VideoWriter},
+    pipeline::{ClipFailure, ExitCode, Stage, batch::ClipOutcome},
+    progress::Watch,
+    render::{LayerRequest, RobotLayers, RobotRenderParams, RobotRenderer},
+    robot::{ARM_DOF, RobotModel},
+};
+
+/// What is written, and under which outcome.
+pub(super) struct Parts<'a> {
+    pub(super) found: &'a Understood,
+    pub(super) outcome: &'a ClipOutcome,
+}
+
+impl std::ops::Deref for Parts<'_> {
+    type Target = Understood;
+    fn deref(&self) -> &Understood {
+        self.found
+    }
+}
+
+/// Robot pictures that may wait for the compositor: enough to overlap, few enough to bound memory.
+const RENDERED_AHEAD: usize = 2;
+
+fn failed(error: &(dyn std::error::Error + 'static)) -> ClipFailure {
+    ClipFailure::from_error(error, ExitCode::Internal)
+}
+
+impl From<ExportError> for ClipFailure {
+    fn from(error: ExportError) -> Self {
+        Self::from_error(&error, ExitCode::InputOutput)
+    }
+}
+
+/// Writes the clip's folder and publishes it when it is whole.
+pub(super) fn write(
+    context: &Context<'_>,
+    out: &Path,
+    found: &Understood,
+    outcome: &ClipOutcome,
+) -> Result<(), ClipFailure> {
+    let parts = &Parts { found, outcome };
+    let folder = context.stage(Stage::Export, |watch| {
+        let folder = ClipFolder::create(out, &parts.outcome.id)?;
+        let plan = plan_layers(&context.document, parts)?;
+        thread::scope(|scope| {
+            let (send, receive) = sync_channel(RENDERED_AHEAD);
+            let renderer = scope.spawn(|| render_all(parts, &plan, send, watch));
+            let stills = scope.spawn(|| stills::write(&folder, parts, watch));
+            let composed = compose_all(&folder, parts, &plan, receive, watch);
+            let rendered = joined(renderer.join());
+            let stilled = joined(stills.join());
+            // A renderer that failed is why the compositor ran dry: its reason comes first.
+            rendered.and(composed).and(stilled)
+        })?;
+        write_record(&folder, context, parts)?;
+        Ok(folder)
+    })?;
+    crate::export::write_json(&folder.file("report.json"), &report(context, parts))?;
+    folder.publish(parts.outcome)?;
+    Ok(())
+}
+
+fn joined<T>(result: thread::Result<Result<T, ClipFailure>>) -> Result<T, ClipFailure> {
+    result.unwrap_or_else(|_| {
+        let message = "a worker thread panicked".to_owned();
+        Err(ClipFailure { stage: None, exit: ExitCode::Internal, message })
+    })
+}
+
+/// Draws the robot of every frame, in order. The renderer belongs to this thread.
+fn render_all(
+    parts: &Parts<'_>,
+    plan: &LayerPlan,
+    send: SyncSender<RobotLayers>,
+    watch: &dyn Watch,
+) -> Result<(), ClipFailure> {
+    let mut renderer =
+        RobotRenderer::new(&parts.robot, parts.clip.info.intrinsics, RobotRenderParams::default())
+            .map_err(|error| failed(&error))?;
+    for (angles, shown) in parts.motion.angles.iter().zip(&plan.shown) {
+        watch.check().map_err(|error| failed(&error))?;
+        let request = LayerRequest { shown: *shown, ..LayerRequest::default() };
+        let layers = renderer.render(angles, &parts.motion.map, &request).map_err(|error| failed(&error))?;
+        if send.send(layers).is_err() {
+            // The compositor stopped; it says why.
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+/// Composes every frame and writes the composite and the layer video.
+fn compose_all(
+    folder: &ClipFolder,
+    parts: &Parts<'_>,
+    plan: &LayerPlan,
+    robots: Receiver<RobotLayers>,
+    watch: &dyn Watch,
+) -> Result<(), ClipFailure> {
+    let size = parts.clip.size();
+    let compositor = Compositor::default();
+    let mut composite = VideoWriter::create(&folder.file("composite.mp4"), size)?;
+    let mut layers_video = VideoWriter::create(&folder.file("debug/layers.mp4"), stills::layers_size(size))?;
+    let count = parts.clip.frame_count();
+    for index in FrameIndex::all(count) {
+        watch.advance(index.as_usize(), count);
+        let Ok(robot) = robots.recv() else {
+            let message = "the renderer stopped early".to_owned();
+            return Err(ClipFailure { stage: None, exit: ExitCode::Internal, message });
+        };
+        let source = parts.clip.frame(index).map_err(|error| failed(&error))?;
+        let background = parts.background.frames.frame(index).map_err(|error| failed(&error))?;
+        let masks = (parts.object.frame(index), parts.arms.union.frame(index).mask.decode());
+        let visible = masks.0.mask.decode();
+        let object = parts.template.as_ref().map(|template| ObjectEvidence {
+            template,
+            placement: template.placements[index.as_usize()].as_ref(),
+            source: &source,
+            visible: masks.0.is_trusted().then_some(&visible),
+            hidden: &masks.1,
+        });
+        let layers = FrameLayers {
+            background: &background,
+            robot: Some(&robot),
+            object,
+            order: plan.order[index.as_usize()],
+        };
+        let composed = compositor.compose(&layers).map_err(|error| failed(&error))?;
+        composite.push(&composed.picture)?;
+        layers_video.push(&stills::layers_picture(&background, &robot, &composed)?)?;
+    }
+    composite.finish()?;
+    layers_video.finish()?;
+    Ok(())
+}
+
+fn write_record(folder: &ClipFolder, context: &Context<'_>, parts: &Parts<'_>) -> Result<(), ClipFailure> {
+    let limits = hand_limits(&parts.robot);
+    let record = Record::from_motion(&parts.motion, &parts.hands, &parts.clip.info, &limits)?;
+    record.write_npz(&folder.file("record.npz"))?;
+    let parameters = [
+        ("map", serde_json::to_value(parts.motion.map)),
+        ("alpha", serde_json::to_value(parts.motion.alpha)),
+        ("retarget", serde_json::to_value(context.document.retarget)),
+        ("layer_orders", serde_json::to_value(&context.document.layer_orders)),
+    ];
+    let mut values = std::collections::BTreeMap::new();
+    for (name, value) in parameters {
+        values.insert(name.to_owned(), value.map_err(std::io::Error::other)?);
+    }
+    let meta = RecordMeta {
+        id: parts.outcome.id.clone(),
+        task: context.document.task.clone().unwrap_or_default(),
+        backends: backends(parts).into_iter().map(|(k, v)| (k.to_owned(), v.to_owned())).collect(),
+        versions: [("agenticfocus".to_owned(), env!("CARGO_PKG_VERSION").to_owned())].into(),
+        parameters: values,
+    };
+    RecordDescription::new(&record, &parts.clip.info, &meta).write(&folder.file("record.json"))?;
+    Ok(())
+}
+
+/// Limits of the 12 hand actuators in the record's order.
+fn hand_limits(robot: &RobotModel) -> HandLimits {
+    let limits = robot.limits();
+    std::array::from_fn(|at| [limits.lower[ARM_DOF + at], limits.upper[ARM_DOF + at]])
+}

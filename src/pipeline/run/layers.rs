@@ -1,0 +1,69 @@
+//! Which arms are drawn on a frame, and what lies in front of what.
+
+use super::export::Parts;
+use crate::{
+    clip::{FrameIndex, FrameSource as _},
+    composite::{
+        order::{LayerDecision, OrderParams, SideEvidence, decide, evidence},
+        placed_shape,
+    },
+    geometry::PerSide,
+    image::Mask,
+    pipeline::{ClipFailure, ExitCode},
+    retarget::RobotMotion,
+    session::Document,
+};
+
+/// One decision a frame.
+pub(super) struct LayerPlan {
+    pub(super) shown: Vec<PerSide<bool>>,
+    pub(super) order: Vec<LayerDecision>,
+}
+
+/// Frames around a driven one on which an arm stays in the picture while it comes from or goes to rest.
+const REST_FRAMES: usize = 24;
+/// Contact from which a hand counts as touching.
+const TOUCHING: f64 = 0.5;
+
+/// Plans every frame's layers.
+pub(super) fn plan_layers(document: &Document, parts: &Parts<'_>) -> Result<LayerPlan, ClipFailure> {
+    let mut seen = Vec::with_capacity(parts.clip.frame_count());
+    for index in FrameIndex::all(parts.clip.frame_count()) {
+        seen.push(frame_evidence(parts, index)?);
+    }
+    let order = decide(&seen, &document.layer_orders, &OrderParams::default());
+    Ok(LayerPlan { shown: shown(&parts.motion), order })
+}
+
+fn frame_evidence(parts: &Parts<'_>, index: FrameIndex) -> Result<PerSide<SideEvidence>, ClipFailure> {
+    let at = index.as_usize();
+    let failed =
+        |error: &(dyn std::error::Error + 'static)| ClipFailure::from_error(error, ExitCode::Internal);
+    let size = parts.clip.size();
+    let visible = parts.object.frame(index).mask.decode();
+    let placement = parts.template.as_ref().and_then(|track| Some((track, track.placements[at].as_ref()?)));
+    let shape = match placement {
+        Some((track, placement)) => placed_shape(track, placement, size).map_err(|error| failed(&error))?,
+        None => Mask::new(size),
+    };
+    let mut result = PerSide::<SideEvidence>::default();
+    for side in crate::geometry::Side::BOTH {
+        let hand = &parts.hands.hands[side][at];
+        let contact = hand.is_valid().then_some(parts.motion.sides[side][at].contact >= TOUCHING);
+        let arm = parts.arms.sides[side][at].decode();
+        let keypoints = hand.is_valid().then_some(&hand.keypoints);
+        result[side] =
+            evidence(&arm, &visible, &shape, keypoints, contact).map_err(|error| failed(&error))?;
+    }
+    Ok(result)
+}
+
+/// An arm is drawn while a hand drives it and shortly before and after, on its way from and to rest.
+fn shown(motion: &RobotMotion) -> Vec<PerSide<bool>> {
+    let count = motion.angles.len();
+    let near_driven = |side: crate::geometry::Side, at: usize| {
+        let window = at.saturating_sub(REST_FRAMES)..(at + REST_FRAMES + 1).min(count);
+        motion.sides[side][window].iter().any(|report| report.driven)
+    };
+    (0..count).map(|at| PerSide::from_fn(|side| near_driven(side, at))).collect()
+}

@@ -1,0 +1,231 @@
+//! One clip from its file to its record.
+
+mod context;
+mod edits;
+mod export;
+mod layers;
+mod move_robot;
+mod prepare;
+mod report;
+mod source;
+mod stills;
+mod understand;
+
+use std::{path::Path, sync::atomic::AtomicBool};
+
+use super::{
+    Cache, ClipFailure, ClipJob, ExitCode, Installation, Key, Listener, Stage,
+    batch::{ClipOutcome, ClipState, read_outcome},
+};
+use crate::{
+    clip::{FrameSource as _, StandardClip},
+    hands::{Estimation, HandTrack},
+    retarget::RobotMotion,
+    robot::RobotModel,
+    segment::{MaskTrack, arms::ArmTrack},
+    session::{Author, Command, Document, ObjectChoice, ReviewState, Session},
+    template::TemplateTrack,
+};
+use context::Context;
+
+pub use understand::Background;
+
+/// How a run of one clip ended.
+#[derive(Debug)]
+pub struct ClipRun {
+    /// As `done.json` or `failed.json` says.
+    pub outcome: ClipOutcome,
+    /// Whether the result was there already.
+    pub skipped: bool,
+}
+
+/// Does one clip: everything from its file to `out/ID/`, unless that is there already for the same inputs.
+///
+/// # Errors
+/// The stage, the class and one line. Nothing half-made is left in `out/ID/`; finished stages stay in the
+/// session's cache, so that the next run goes on from there.
+pub fn run_clip(
+    job: &ClipJob,
+    out: &Path,
+    installation: &Installation,
+    listener: &dyn Listener,
+    cancel: &AtomicBool,
+) -> Result<ClipRun, ClipFailure> {
+    let mut session = prepare::open_session(job, out, listener)?;
+    let inputs = inputs_key(job, &session, installation, cancel, listener)?;
+    if let ClipState::Done(outcome) = read_outcome(&out.join(&job.id))?
+        && outcome.inputs == inputs.as_str()
+    {
+        return Ok(ClipRun { outcome, skipped: true });
+    }
+    let cache = Cache::open(&session.folder().join("cache"))?;
+    let mut context = Context {
+        document: session.document().clone(),
+        cache,
+        installation,
+        listener,
+        cancel,
+        timings: Vec::new().into(),
+    };
+    let outcome = work(job, out, &mut context, &mut session, &inputs)?;
+    if session.is_writable() {
+        session.save_snapshot()?;
+    }
+    clear_frame_stores(&context.cache);
+    Ok(ClipRun { outcome, skipped: false })
+}
+
+/// Everything that was found out about a clip, before a file is written.
+#[derive(Debug)]
+pub struct Understood {
+    /// The clip on its standard timeline.
+    pub clip: StandardClip,
+    /// Hands, forearms, sleeves.
+    pub arms: ArmTrack,
+    /// The object's visible part.
+    pub object: MaskTrack,
+    /// The object whole, and where it goes; `None` where no object is known.
+    pub template: Option<TemplateTrack>,
+    /// The clip without the human.
+    pub background: Background,
+    /// What the estimator saw.
+    pub landmarks: Estimation,
+    /// Metric hands.
+    pub hands: HandTrack,
+    /// The robot in use.
+    pub robot: RobotModel,
+    /// Its motion.
+    pub motion: RobotMotion,
+    /// The object as it was pointed at.
+    pub choice: Option<ObjectChoice>,
+}
+
+fn work(
+    job: &ClipJob,
+    out: &Path,
+    context: &mut Context<'_>,
+    session: &mut Session,
+    inputs: &Key,
+) -> Result<ClipOutcome, ClipFailure> {
+    let found = understand(job, context, session)?;
+    let outcome = ClipOutcome {
+        id: job.id.clone(),
+        exit: ExitCode::Done,
+        stage: None,
+        message: None,
+        inputs: inputs.as_str().to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        frames: Some(found.clip.frame_count()),
+        flags: clip_flags(context, &found),
+    };
+    export::write(context, out, &found, &outcome)?;
+    Ok(outcome)
+}
+
+/// All stages up to the robot's motion.
+fn understand(
+    job: &ClipJob,
+    context: &mut Context<'_>,
+    session: &mut Session,
+) -> Result<Understood, ClipFailure> {
+    let clip = source::open_clip(context)?;
+    remember_hash(context, session, &clip.info.hash)?;
+    let table = (&clip.info.hash, clip.info.rotate, clip.info.intrinsics_source, &clip.info.frame_table);
+    let clip_key = Key::new(Stage::Clip, &[], &table)?;
+    let imported = move_robot::imported_track(context, &clip)?;
+    let (seen, landmark_key) = understand::landmarks(context, &clip, imported.as_ref(), &clip_key)?;
+    let (arms, arms_key) = understand::arms(context, session, &clip, &seen.landmarks, &landmark_key)?;
+    let choice =
+        understand::choose_object(context, session, job, &clip, &seen.landmarks, (&arms, &arms_key))?;
+    let (object, object_key) =
+        understand::object(context, session, &clip, choice.as_ref(), &seen.landmarks, (&arms, &arms_key))?;
+    let (template, _) = understand::template(
+        context,
+        session,
+        &clip,
+        (&object, &object_key),
+        (&arms, &arms_key),
+        &seen.landmarks,
+    )?;
+    let background = understand::background(context, &clip, (&arms, &arms_key), (&object, &object_key))?;
+    let (hands, hands_key) = move_robot::hands(context, &clip, imported, &seen, &landmark_key)?;
+    let (robot, motion) = move_robot::retarget(context, &hands, &hands_key)?;
+    Ok(Understood { clip, arms, object, template, background, landmarks: seen, hands, robot, motion, choice })
+}
+
+fn remember_hash(context: &mut Context<'_>, session: &mut Session, hash: &str) -> Result<(), ClipFailure> {
+    let known = &context.document.clip.content_hash;
+    if !known.is_empty() && known != hash {
+        if session.human_edits() > 0 {
+            return Err(ClipFailure::bad_input(format_args!(
+                "{} is not the file this session was made from (its content differs): restore it, or start a new session",
+                context.document.clip.path
+            ))
+            .in_stage(Stage::Clip));
+        }
+        context.listener.note("the video file has changed since the last run");
+    }
+    if known != hash {
+        let command = Command::SetContentHash(hash.to_owned());
+        if session.is_writable() {
+            session.apply(Author::Machine("clip".to_owned()), command.clone())?;
+        }
+        context.document.apply(command).map_err(ClipFailure::bad_input)?;
+    }
+    Ok(())
+}
+
+/// The hash of everything that decides about the result and is known before any work.
+fn inputs_key(
+    job: &ClipJob,
+    session: &Session,
+    installation: &Installation,
+    cancel: &AtomicBool,
+    listener: &dyn Listener,
+) -> Result<Key, ClipFailure> {
+    let watch = super::reporter::StageWatch::new(Stage::Clip, listener, cancel);
+    let document = session.document();
+    let hash = crate::clip::content_hash(Path::new(&document.clip.path), &watch)
+        .map_err(|error| ClipFailure::from(error).in_stage(Stage::Clip))?;
+    let mut decided = Document { proposals: Vec::new(), review: ReviewState::Unreviewed, ..document.clone() };
+    decided.clip.content_hash = hash;
+    decided.clip.path.clear();
+    // What the machine or the manifest chose follows from the other inputs.
+    decided.object = decided.object.filter(|object| object.author == Author::Human);
+    let track = match &decided.hand_track {
+        Some(path) => Some(blake3::hash(&std::fs::read(path).map_err(|error| {
+            ClipFailure::bad_input(format_args!("cannot read the hand track {path}: {error}"))
+                .in_stage(Stage::Landmarks)
+        })?)),
+        None => None,
+    };
+    let track = track.map(|hash| hash.to_hex().to_string());
+    let robot = move_robot::robot_identity(installation)?;
+    Ok(Key::new(Stage::Export, &[], &(decided, &job.object, track, robot))?)
+}
+
+fn clip_flags(context: &Context<'_>, found: &Understood) -> Vec<String> {
+    let Understood { object, hands, .. } = found;
+    let mut flags: Vec<String> = found.clip.info.flags.iter().map(source::flag_name).collect();
+    if matches!(context.document.review, ReviewState::NeedsReview { .. }) {
+        flags.push("needs_review".to_owned());
+    }
+    if object.frames.iter().all(|frame| frame.mask.is_empty()) {
+        flags.push("no_object".to_owned());
+    }
+    if !hands.hands.iter().any(|(_, side)| side.iter().any(crate::hands::HandFrame::is_valid)) {
+        flags.push("no_hands".to_owned());
+    }
+    flags
+}
+
+/// Frame stores are large and only serve a run that was cut short; the small artifacts stay.
+fn clear_frame_stores(cache: &Cache) {
+    let entries = std::fs::read_dir(cache.folder()).into_iter().flatten().flatten();
+    for path in entries.map(|entry| entry.path()) {
+        if path.extension().is_some_and(|extension| extension == "frames") {
+            // What cannot be removed only takes space.
+            std::fs::remove_file(path).ok();
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! From pixels to what is in them: hands, arms, object, template, background.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    context::Context,
+    edits::{edited_landmarks, human_masks},
+    source::standard_prompt,
+};
+use crate::{
+    clip::{FrameIndex, FrameSource, FrameStore, FrameStoreWriter, StandardClip},
+    geometry::PerSide,
+    hands::{self, EstimateParams, Estimation, EstimatorCommand, HandTrack},
+    inpaint::{self, InpaintParams, InpaintReport},
+    landmarks::{HandLandmarks, LandmarkTrack},
+    pipeline::{ClipFailure, ClipJob, ExitCode, Key, Stage},
+    segment::{
+        MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask,
+        arms::{self, ArmParams, ArmTrack},
+        object::{self, ObjectParams, ObjectPrompt, PromptKind},
+    },
+    select::{self, SelectParams},
+    session::{Author, Command, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState, Session},
+    template::{self, TemplateParams, TemplateTrack},
+};
+
+/// The shipped estimator; embedded so that the program needs no files beside it.
+const ESTIMATOR_SCRIPT: &str = include_str!("../../../models/estimators/mediapipe_hands.py");
+
+/// Landmarks of the clip: from the estimator, or seen again from an imported track.
+pub(super) fn landmarks(
+    context: &Context<'_>,
+    clip: &StandardClip,
+    imported: Option<&HandTrack>,
+    clip_key: &Key,
+) -> Result<(Estimation, Key), ClipFailure> {
+    let (estimation, key) = if let Some(track) = imported {
+        let key = Key::new(Stage::Landmarks, &[clip_key], &(&context.document.hand_track, track))?;
+        let landmarks = landmarks_of(track);
+        (Estimation { landmarks, backend: track.backend.clone() }, key)
+    } else {
+        let params = EstimateParams::default();
+        let inputs = (&params, blake3::hash(ESTIMATOR_SCRIPT.as_bytes()).to_hex().to_string());
+        context.cached_stage(Stage::Landmarks, &[clip_key], &inputs, ExitCode::Temporary, |watch| {
+            let script = context.cache.folder().join("mediapipe_hands.py");
+            let refused = |source| hands::HandsError::Start { program: script.clone(), source };
+            crate::session::write_durably(&script, ESTIMATOR_SCRIPT.as_bytes()).map_err(refused)?;
+            let python = context.installation.estimator_python();
+            let command = EstimatorCommand::new(python, [script.to_string_lossy().into_owned()]);
+            hands::estimate(clip, &command, &params, watch)
+        })?
+    };
+    let document = &context.document;
+    let key = Key::new(Stage::Landmarks, &[&key], &(&document.hand_edits, &document.sides_swapped))?;
+    let landmarks = edited_landmarks(estimation.landmarks, document);
+    Ok((Estimation { landmarks, ..estimation }, key))
+}
+
+/// An imported track as an estimator would have seen it.
+fn landmarks_of(track: &HandTrack) -> LandmarkTrack {
+    FrameIndex::all(track.frame_count())
+        .map(|index| {
+            let hands = track.at(index);
+            PerSide::from_fn(|side| {
+                let hand = hands[side];
+                hand.is_valid().then(|| HandLandmarks {
+                    keypoints: hand.keypoints,
+                    world: None,
+                    confidence: hand.confidence,
+                })
+            })
+        })
+        .collect()
+}
+
+/// Arm masks.
+pub(super) fn arms(
+    context: &Context<'_>,
+    session: &Session,
+    clip: &StandardClip,
+    landmarks: &LandmarkTrack,
+    landmark_key: &Key,
+) -> Result<(ArmTrack, Key), ClipFailure> {
+    let human =
+        human_masks(&context.document, &session.masks(), MaskLayer::Arms, clip.size(), clip.frame_count())?;
+    let params = ArmParams::default();
+    let inputs = (&params, human.iter().collect::<Vec<_>>());
+    context.cached_stage(Stage::Arms, &[landmark_key], &inputs, ExitCode::Internal, |watch| {
+        arms::track_arms(clip, landmarks, &human, &params, watch)
+    })
+}
+
+/// The object: the person's or the manifest's, else the best proposal, which asks for a review.
+pub(super) fn choose_object(
+    context: &mut Context<'_>,
+    session: &mut Session,
+    job: &ClipJob,
+    clip: &StandardClip,
+    landmarks: &LandmarkTrack,
+    arms: (&ArmTrack, &Key),
+) -> Result<Option<ObjectChoice>, ClipFailure> {
+    let by_human = context.document.object.as_ref().is_some_and(|object| object.author == Author::Human);
+    let wanted = match &job.object {
+        Some(raw) if !by_human => {
+            Some(standard_prompt(raw, &clip.info).map_err(|failure| failure.in_stage(Stage::Select))?)
+        }
+        _ => context.document.object.clone().filter(|object| !matches!(object.author, Author::Machine(_))),
+    };
+    if let Some(object) = wanted {
+        if context.document.object.as_ref() != Some(&object) {
+            let author = object.author.clone();
+            change(context, session, author, Command::SetObject(Some(object.clone())))?;
+        }
+        return Ok(Some(object));
+    }
+    if !context.document.object_masks.is_empty() {
+        // A person drew the object without naming it: their masks say enough.
+        return Ok(None);
+    }
+    let params = SelectParams::default();
+    let (proposals, _) =
+        context.cached_stage(Stage::Select, &[arms.1], &params, ExitCode::Internal, |watch| {
+            select::propose(clip, landmarks, &arms.0.union, &params, watch)
+        })?;
+    let proposals: Vec<ObjectChoice> = proposals.into_iter().map(as_choice).collect();
+    let best = proposals.first().cloned();
+    let reason = match &best {
+        Some(best) => {
+            format!("the object was proposed by contact motion ({:.2}): {}", best.confidence, best.reason)
+        }
+        None => "no object was found that moves with a hand".to_owned(),
+    };
+    context.listener.note(&reason);
+    if context.document.object != best || context.document.proposals != proposals {
+        let machine =
+            best.as_ref().map_or(Author::Machine("contact motion".to_owned()), |best| best.author.clone());
+        let mut commands = vec![Command::SetProposals(proposals), Command::SetObject(best.clone())];
+        if context.document.review == ReviewState::Unreviewed {
+            commands.push(Command::SetReview(ReviewState::NeedsReview { reason }));
+        }
+        change(context, session, machine, Command::Together(commands))?;
+    }
+    Ok(best)
+}
+
+fn as_choice(proposal: select::Proposal) -> ObjectChoice {
+    ObjectChoice {
+        label: proposal.label,
+        frame: proposal.frame,
+        prompt: ObjectPromptKind::Box(proposal.bounds),
+        confidence: proposal.confidence,
+        reason: proposal.reason,
+        author: Author::Machine(proposal.backend),
+    }
+}
+
+/// Changes the session where it may be changed, and this run's copy of its document in any case.
+fn change(
+    context: &mut Context<'_>,
+    session: &mut Session,
+    author: Author,
+    command: Command,
+) -> Result<(), ClipFailure> {
+    if session.is_writable() {
+        session.apply(author, command.clone())?;
+    }
+    context.document.apply(command).map_err(ClipFailure::bad_input)?;
+    Ok(())
+}
+
+/// Object masks; all empty and lost where nobody knows what the object is.
+pub(super) fn object(
+    context: &Context<'_>,
+    session: &Session,
+    clip: &StandardClip,
+    choice: Option<&ObjectChoice>,
+    landmarks: &LandmarkTrack,
+    arms: (&ArmTrack, &Key),
+) -> Result<(MaskTrack, Key), ClipFailure> {
+    let human =
+        human_masks(&context.document, &session.masks(), MaskLayer::Object, clip.size(), clip.frame_count())?;
+    let prompts = prompts(choice, human);
+    let params = ObjectParams::default();
+    context.cached_stage(Stage::Object, &[arms.1], &(&params, &prompts), ExitCode::BadInput, |watch| {
+        if prompts.is_empty() {
+            return Ok(nothing(clip));
+        }
+        object::track_object(clip, &prompts, &arms.0.union, landmarks, &params, watch)
+    })
+}
+
+fn prompts(choice: Option<&ObjectChoice>, human: BTreeMap<FrameIndex, RleMask>) -> Vec<ObjectPrompt> {
+    let chosen = choice.filter(|choice| !human.contains_key(&choice.frame)).map(|choice| ObjectPrompt {
+        frame: choice.frame,
+        kind: match choice.prompt.clone() {
+            ObjectPromptKind::Box(bounds) => PromptKind::Box(bounds),
+            ObjectPromptKind::Points { positive, negative } => PromptKind::Points { positive, negative },
+        },
+    });
+    let drawn = human
+        .into_iter()
+        .map(|(frame, mask)| ObjectPrompt { frame, kind: PromptKind::Mask { mask, human: true } });
+    chosen.into_iter().chain(drawn).collect()
+}
+
+fn nothing(clip: &StandardClip) -> MaskTrack {
+    let size = clip.size();
+    let frame = MaskFrame {
+        mask: RleMask::empty(size),
+        author: MaskAuthor::Propagated,
+        score: 0.0,
+        flags: vec![MaskFlag::Lost],
+    };
+    MaskTrack { size, frames: vec![frame; clip.frame_count()], backend: "none".to_owned() }
+}
+
+/// The object's template and placements, with the person's own on top.
+pub(super) fn template(
+    context: &Context<'_>,
+    session: &Session,
+    clip: &StandardClip,
+    object: (&MaskTrack, &Key),
+    arms: (&ArmTrack, &Key),
+    landmarks: &LandmarkTrack,
+) -> Result<(Option<TemplateTrack>, Key), ClipFailure> {
+    let edits = &context.document.template;
+    let params = TemplateParams::default();
+    let mut object_masks = object.0.clone();
+    if let (Some(frame), Some(id)) = (edits.frame, &edits.mask)
+        && let Some(slot) = object_masks.frames.get_mut(frame.as_usize())
+    {
+        slot.mask = session.masks().get(id)?;
+    }
+    let inputs = (&params, edits.frame, &edits.mask);
+    let (mut track, key) =
+        context.cached_stage(Stage::Template, &[object.1, arms.1], &inputs, ExitCode::Internal, |watch| {
+            template::build(clip, &object_masks, &arms.0.union, edits.frame, landmarks, &params, watch)
+        })?;
+    if let Some(track) = &mut track {
+        for (frame, transform) in &edits.placements {
+            if let Some(slot) = track.placements.get_mut(frame.as_usize()) {
+                let visible = slot.as_ref().map_or(1.0, |placement| placement.visible);
+                *slot = Some(template::Placement { transform: *transform, confidence: 1.0, visible });
+            }
+        }
+    }
+    let key = Key::new(Stage::Template, &[&key], &edits.placements.iter().collect::<Vec<_>>())?;
+    Ok((track, key))
+}
+
+/// What the background stage leaves: the frames on disk, the report in memory.
+#[derive(Debug)]
+pub struct Background {
+    /// Every frame without arms; the visible object is still in it.
+    pub frames: FrameStore,
+    /// Where its pixels come from.
+    pub report: InpaintReport,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Sealed {
+    report: InpaintReport,
+}
+
+/// The background without the human, kept in a frame store in the cache.
+pub(super) fn background(
+    context: &Context<'_>,
+    clip: &StandardClip,
+    arms: (&ArmTrack, &Key),
+    object: (&MaskTrack, &Key),
+) -> Result<Background, ClipFailure> {
+    let params = InpaintParams::default();
+    let key = Key::new(Stage::Inpaint, &[arms.1, object.1], &params)?;
+    let path = context.cache.path(Stage::Inpaint, &key, "frames");
+    let whole = FrameStore::open(&path).ok().filter(|store| store.frame_count() == clip.frame_count());
+    if whole.is_none() {
+        // Without its frames the report is of no use: make both again.
+        std::fs::remove_file(context.cache.path(Stage::Inpaint, &key, "json")).ok();
+    }
+    let sealed = context.stage(Stage::Inpaint, |watch| {
+        context.cache.get_or_make(Stage::Inpaint, &key, || {
+            let failed =
+                |error: crate::clip::StoreError| ClipFailure::from_error(&error, ExitCode::InputOutput);
+            let mut writer = FrameStoreWriter::create(&path, clip.size()).map_err(failed)?;
+            let mut sink = |_: FrameIndex, frame: &crate::image::Rgb8| Ok(writer.push(frame)?);
+            let report = inpaint::clean(clip, &arms.0.union, object.0, None, &params, &mut sink, watch)
+                .map_err(|error| ClipFailure::from_error(&error, ExitCode::Internal))?;
+            writer.finish().map_err(failed)?;
+            Ok::<_, ClipFailure>(Sealed { report })
+        })
+    })?;
+    let frames =
+        FrameStore::open(&path).map_err(|error| ClipFailure::from_error(&error, ExitCode::InputOutput))?;
+    Ok(Background { frames, report: sealed.report })
+}
