@@ -141,6 +141,9 @@ pub(super) enum Verb {
         /// Threads it may use
         #[arg(long, default_value_t = 1)]
         threads: usize,
+        /// Keep decoded frames and the background in the session's cache
+        #[arg(long)]
+        keep_frames: bool,
         /// The batch's output folder
         out: PathBuf,
     },
@@ -172,6 +175,9 @@ pub(super) struct BenchArguments {
     /// Print JSON: {"figures": {KEY: number, …}}
     #[arg(long)]
     pub(super) json: bool,
+    /// Leave out the comparison of memory between a 10 s and a 60 s clip
+    #[arg(long)]
+    pub(super) quick: bool,
     /// Keep episodes and results in this folder
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,

@@ -36,9 +36,7 @@ pub(super) fn run(arguments: &BatchArguments) -> Outcome {
 pub(super) fn run_jobs(jobs: &[ClipJob], out: PathBuf, at_a_time: usize) -> Result<BatchSummary, Failure> {
     let cancel = cancel_on_signals()?;
     let worker = std::env::current_exe()?;
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let threads = (cores / at_a_time.min(jobs.len()).max(1)).max(1).to_string();
-    let worker_arguments = ["clip-worker", "--threads", &threads].map(str::to_owned).to_vec();
+    let worker_arguments = worker_arguments(at_a_time.min(jobs.len()));
     let options = BatchOptions { out, jobs: at_a_time, worker, worker_arguments };
     let progress = BatchProgress::new();
     Ok(run_batch(jobs, &options, &cancel, &|event| progress.hear(&event))?)
@@ -53,4 +51,11 @@ pub(super) fn cancel_on_signals() -> Result<Arc<AtomicBool>, Failure> {
         signal_hook::flag::register(signal, Arc::clone(&flag))?;
     }
     Ok(flag)
+}
+
+/// Arguments of a worker of which `at_a_time` share this machine.
+pub(super) fn worker_arguments(at_a_time: usize) -> Vec<String> {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let threads = (cores / at_a_time.max(1)).max(1).to_string();
+    ["clip-worker", "--threads", &threads].map(str::to_owned).to_vec()
 }

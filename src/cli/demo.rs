@@ -8,9 +8,7 @@ use super::{
     progress::SimpleProgress,
 };
 use crate::{
-    clip::{CameraSpec, FrameIndex},
-    pipeline::{ClipJob, ExitCode, RawObjectPrompt},
-    session::{ClipReference, Document, RetargetSettings},
+    pipeline::{ExitCode, episode_job},
     synth::{Episode, EpisodeSpec, generate},
 };
 
@@ -45,33 +43,4 @@ pub(super) fn run(out: &Path, seed: u64, frames: Option<u32>) -> Outcome {
 /// Whether the very episode is in `folder` already.
 fn is_there(folder: &Path, spec: &EpisodeSpec) -> bool {
     Episode::load(folder).is_ok_and(|episode| episode.truth.spec == *spec)
-}
-
-/// A job as a manifest would state it: the camera, the hand's length, and the object by a box.
-pub(super) fn episode_job(episode: &Episode, id: &str) -> Result<ClipJob, crate::synth::SynthError> {
-    let path = std::path::absolute(episode.clip_path()).unwrap_or_else(|_| episode.clip_path());
-    let camera = episode.truth.pinhole;
-    let bounds = episode.object_visible(FrameIndex(0))?.bounding_box();
-    let document = Document {
-        clip: ClipReference {
-            id: id.to_owned(),
-            path: path.to_string_lossy().into_owned(),
-            ..ClipReference::default()
-        },
-        task: Some("move the object".to_owned()),
-        camera: CameraSpec::Intrinsics { fx: camera.fx, fy: camera.fy, cx: camera.cx, cy: camera.cy },
-        retarget: RetargetSettings {
-            hand_length: Some(episode.truth.hand_length),
-            ..RetargetSettings::default()
-        },
-        ..Document::default()
-    };
-    let object = bounds.map(|b| RawObjectPrompt {
-        label: "object".to_owned(),
-        source_frame: 0,
-        bounds: Some([b.x0, b.y0, b.x1, b.y1]),
-        points: Vec::new(),
-        negative: Vec::new(),
-    });
-    Ok(ClipJob { id: id.to_owned(), session: None, document, object })
 }

@@ -78,7 +78,7 @@ fn dispatch(arguments: Arguments) -> Outcome {
         Some(Verb::Bench(arguments)) => bench::run(&arguments),
         Some(Verb::Robot { verb }) => robot::run(&verb),
         Some(Verb::Ui { input }) => ui::run(input.as_deref()),
-        Some(Verb::ClipWorker { threads, out }) => worker::run(&out, threads),
+        Some(Verb::ClipWorker { threads, keep_frames, out }) => worker::run(&out, threads, keep_frames),
         Some(Verb::Doctor { json }) => doctor::run(json),
         Some(Verb::Status { out, json }) => status::run(&out, json),
         None => batch::run(&batch),

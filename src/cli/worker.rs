@@ -13,7 +13,7 @@ use crate::pipeline::{
     run_clip,
 };
 
-pub(super) fn run(out: &Path, threads: usize) -> Outcome {
+pub(super) fn run(out: &Path, threads: usize, keep_frames: bool) -> Outcome {
     // Without its batch nobody would hear the result: end with it.
     rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))
         .map_err(std::io::Error::from)?;
@@ -26,13 +26,17 @@ pub(super) fn run(out: &Path, threads: usize) -> Outcome {
     let job: ClipJob = serde_json::from_slice(&text).map_err(|error| Failure::new(ExitCode::Usage, error))?;
     let cancel = cancel_on_signals()?;
     let speaker = Speaker { out: Mutex::new(std::io::stdout()) };
-    let result = run_clip(&job, out, &Installation::locate(), &speaker, &cancel);
+    let result = run_clip(&job, out, &Installation::locate(), keep_frames, &speaker, &cancel);
     let (outcome, skipped) = match result {
         Ok(run) => (run.outcome, run.skipped),
         Err(failure) => (failed(&job, out, failure)?, false),
     };
     let exit = outcome.exit;
-    speaker.say(&WorkerMessage::Finished { outcome: Box::new(outcome), skipped });
+    speaker.say(&WorkerMessage::Finished {
+        outcome: Box::new(outcome),
+        skipped,
+        peak_memory_mib: peak_memory_mib(),
+    });
     Ok(exit)
 }
 
@@ -77,4 +81,12 @@ impl Listener for Speaker {
     fn note(&self, text: &str) {
         self.say(&WorkerMessage::Note { text: text.to_owned() });
     }
+}
+
+/// This process's largest resident size plus that of its largest child (estimator, encoders), MiB.
+fn peak_memory_mib() -> Option<f64> {
+    let own = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF).ok()?;
+    let children = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_CHILDREN).ok()?;
+    // Linux counts in KiB.
+    Some((own.max_rss() + children.max_rss()) as f64 / 1024.0)
 }

@@ -1,6 +1,7 @@
 //! Stage graph, cache, progress, cancellation; the batch over many clips.
 
 pub mod batch;
+mod bench;
 mod cache;
 mod exit;
 mod failure;
@@ -11,6 +12,7 @@ mod reporter;
 mod run;
 mod stage;
 
+pub use bench::{BenchOptions, episode_job, run_bench};
 pub use cache::{Cache, Key};
 pub use exit::ExitCode;
 pub use failure::ClipFailure;
@@ -20,5 +22,5 @@ pub use manifest::{
     Manifest, ManifestCamera, ManifestClip, ManifestError, ManifestHands, ManifestObject, ManifestParams,
 };
 pub use reporter::Listener;
-pub use run::{Background, ClipRun, Understood, run_clip};
+pub use run::{Background, ClipRun, Understood, run_clip, shown_arms, understand_clip};
 pub use stage::Stage;

@@ -55,6 +55,8 @@ pub enum WorkerMessage {
         outcome: Box<ClipOutcome>,
         /// Whether the result was there already.
         skipped: bool,
+        /// Largest resident size of the worker and its largest child together, where known.
+        peak_memory_mib: Option<f64>,
     },
 }
 

@@ -32,7 +32,7 @@ pub(super) fn plan_layers(document: &Document, parts: &Parts<'_>) -> Result<Laye
         seen.push(frame_evidence(parts, index)?);
     }
     let order = decide(&seen, &document.layer_orders, &OrderParams::default());
-    Ok(LayerPlan { shown: shown(&parts.motion), order })
+    Ok(LayerPlan { shown: shown_arms(&parts.motion), order })
 }
 
 fn frame_evidence(parts: &Parts<'_>, index: FrameIndex) -> Result<PerSide<SideEvidence>, ClipFailure> {
@@ -59,7 +59,7 @@ fn frame_evidence(parts: &Parts<'_>, index: FrameIndex) -> Result<PerSide<SideEv
 }
 
 /// An arm is drawn while a hand drives it and shortly before and after, on its way from and to rest.
-fn shown(motion: &RobotMotion) -> Vec<PerSide<bool>> {
+pub fn shown_arms(motion: &RobotMotion) -> Vec<PerSide<bool>> {
     let count = motion.angles.len();
     let near_driven = |side: crate::geometry::Side, at: usize| {
         let window = at.saturating_sub(REST_FRAMES)..(at + REST_FRAMES + 1).min(count);

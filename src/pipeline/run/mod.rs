@@ -28,6 +28,7 @@ use crate::{
 };
 use context::Context;
 
+pub use layers::shown_arms;
 pub use understand::Background;
 
 /// How a run of one clip ended.
@@ -39,15 +40,49 @@ pub struct ClipRun {
     pub skipped: bool,
 }
 
+/// Finds everything out about a clip, from its session's cache where it can; writes no result.
+///
+/// # Errors
+/// As [`run_clip`].
+pub fn understand_clip(
+    job: &ClipJob,
+    out: &Path,
+    installation: &Installation,
+    listener: &dyn Listener,
+    cancel: &AtomicBool,
+) -> Result<Understood, ClipFailure> {
+    let mut session = prepare::open_session(job, out, listener)?;
+    let mut context = new_context(&session, installation, listener, cancel)?;
+    understand(job, &mut context, &mut session)
+}
+
+fn new_context<'a>(
+    session: &Session,
+    installation: &'a Installation,
+    listener: &'a dyn Listener,
+    cancel: &'a AtomicBool,
+) -> Result<Context<'a>, ClipFailure> {
+    Ok(Context {
+        document: session.document().clone(),
+        cache: Cache::open(&session.folder().join("cache"))?,
+        installation,
+        listener,
+        cancel,
+        timings: Vec::new().into(),
+    })
+}
+
 /// Does one clip: everything from its file to `out/ID/`, unless that is there already for the same inputs.
 ///
 /// # Errors
 /// The stage, the class and one line. Nothing half-made is left in `out/ID/`; finished stages stay in the
-/// session's cache, so that the next run goes on from there.
+/// session's cache, so that the next run goes on from there. `keep_frames` also keeps the decoded clip and the
+/// background there, which are large.
 pub fn run_clip(
     job: &ClipJob,
     out: &Path,
     installation: &Installation,
+    keep_frames: bool,
     listener: &dyn Listener,
     cancel: &AtomicBool,
 ) -> Result<ClipRun, ClipFailure> {
@@ -58,20 +93,14 @@ pub fn run_clip(
     {
         return Ok(ClipRun { outcome, skipped: true });
     }
-    let cache = Cache::open(&session.folder().join("cache"))?;
-    let mut context = Context {
-        document: session.document().clone(),
-        cache,
-        installation,
-        listener,
-        cancel,
-        timings: Vec::new().into(),
-    };
+    let mut context = new_context(&session, installation, listener, cancel)?;
     let outcome = work(job, out, &mut context, &mut session, &inputs)?;
     if session.is_writable() {
         session.save_snapshot()?;
     }
-    clear_frame_stores(&context.cache);
+    if !keep_frames {
+        clear_frame_stores(&context.cache);
+    }
     Ok(ClipRun { outcome, skipped: false })
 }
 
