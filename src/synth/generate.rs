@@ -135,7 +135,7 @@ fn make_frame(
     let camera_to_world = plan.camera.at(seconds);
     let object = plan.script.object(t);
     let states = PerSide::from_fn(|side| {
-        if side == plan.script.side { Some(plan.script.hand(t)) } else { plan.script.idle(seconds) }
+        if side == plan.script.side { Some(plan.script.hand(t)) } else { plan.script.idle(seconds, t) }
     });
     let mut hands = PerSide { left: None, right: None };
     for (side, state) in states.iter() {

@@ -98,6 +98,8 @@ pub struct Script {
     idle: Option<HandState>,
 }
 
+/// How far the second hand draws back before and after it rests on the table, metres: out of the picture.
+const IDLE_AWAY: f64 = 0.32;
 const CLOSED: f64 = 0.33;
 const OPENING: f64 = 0.73;
 
@@ -174,9 +176,12 @@ impl Script {
         }
     }
 
-    /// The second hand at `seconds`, where there is one.
-    pub fn idle(&self, seconds: f64) -> Option<HandState> {
+    /// The second hand at `seconds`, a share `t` of the episode, where there is one: it comes, rests and goes again.
+    pub fn idle(&self, seconds: f64, t: f64) -> Option<HandState> {
         let mut state = self.idle?;
+        let away = 1.0 - minimum_jerk((t - 0.04) / 0.14) + minimum_jerk((t - 0.72) / 0.16);
+        state.wrist.translation.vector +=
+            away * IDLE_AWAY * (state.elbow - state.wrist.translation.vector).normalize();
         let wave = |frequency: f64, phase: f64| (std::f64::consts::TAU * frequency * seconds + phase).sin();
         state.wrist.translation.vector += Vector3::new(0.006 * wave(0.3, 0.0), 0.008 * wave(0.23, 1.0), 0.0);
         for (index, finger) in state.pose.fingers.iter_mut().enumerate() {

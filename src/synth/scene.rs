@@ -323,7 +323,8 @@ fn light(rng: &mut Pcg64Mcg) -> String {
     let key = Vector3::new(-azimuth.sin() * 0.7, 0.35 * azimuth.cos(), -1.0);
     // Near the scene, so that the shadow map's depth is fine enough.
     let lamp = Vector3::new(0.0, 0.4, 0.0) - key.normalize() * 1.1;
-    let strength = rng.random_range(0.30..0.42);
+    // A lit room: most light is diffuse, so shadows are there but modest.
+    let strength = rng.random_range(0.13..0.21);
     let warm = rng.random_range(-0.03..0.03);
     let lit = |direction: [f64; 3], at: [f64; 3], shadow: bool, colour: [f64; 3]| {
         let text = |v: [f64; 3]| format!("{} {} {}", v[0], v[1], v[2]);
@@ -336,8 +337,8 @@ fn light(rng: &mut Pcg64Mcg) -> String {
         )
     };
     let first = lit(key.into(), lamp.into(), true, [strength + warm, strength, strength - warm]);
-    let second = lit([0.6, 0.5, -1.0], [0.0, 0.0, 2.0], false, [0.16, 0.16, 0.17]);
-    let third = lit([-0.7, 0.3, -0.8], [0.0, 0.0, 2.0], false, [0.14; 3]);
+    let second = lit([0.6, 0.5, -1.0], [0.0, 0.0, 2.0], false, [0.25, 0.25, 0.26]);
+    let third = lit([-0.7, 0.3, -0.8], [0.0, 0.0, 2.0], false, [0.23; 3]);
     first + &second + &third
 }
 
