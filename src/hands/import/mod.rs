@@ -2,9 +2,9 @@
 //!
 //! Two containers are read:
 //!
-//! * **npz** (NumPy): `left_joints` and/or `right_joints` [N,21,3] float32 or float64, or `joints`
-//!   [N,21,3] for the one hand named by [`ImportParams::single_side`]; optional `left_valid`,
-//!   `right_valid`, `valid` [N] (0 or 1) and the scalar `fps`. A row with a NaN is a missing hand.
+//! * **npz** (NumPy): `left_joints` and/or `right_joints` `[N,21,3]` float32 or float64, or `joints`
+//!   `[N,21,3]` for the one hand named by [`ImportParams::single_side`]; optional `left_valid`,
+//!   `right_valid`, `valid` `[N]` (0 or 1) and the scalar `fps`. A row with a NaN is a missing hand.
 //! * **json**: `left_joints_cam` and/or `right_joints_cam` (also `left_joints`, `right_joints`,
 //!   `joints`): a list of N entries, each 21 × `[x, y, z]` or `null`; optional `left_valid`,
 //!   `right_valid`, `valid` lists and `fps`. Other keys are left alone.
@@ -137,7 +137,7 @@ fn check(raw: &RawTrack) -> Result<(), String> {
     match lengths[..] {
         [] => {
             return Err(
-                "no joints: expected left_joints, right_joints or joints [N,21,3] (see models/README.md)"
+                "no joints: expected left_joints, right_joints or joints `[N,21,3]` (see models/README.md)"
                     .to_owned(),
             );
         }

@@ -65,7 +65,7 @@ fn landmarks_of(track: &HandTrack) -> LandmarkTrack {
             let hands = track.at(index);
             PerSide::from_fn(|side| {
                 let hand = hands[side];
-                hand.is_valid().then(|| HandLandmarks {
+                hand.is_valid().then_some(HandLandmarks {
                     keypoints: hand.keypoints,
                     world: None,
                     confidence: hand.confidence,
