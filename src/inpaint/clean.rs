@@ -1,4 +1,6 @@
-//! The driver: plates along the clip, and every frame's hole drawn from the two around it.
+//! The driver: plates along the clip, and every frame's hole drawn from the plate of its stretch.
+
+use std::ops::Range;
 
 use opencv::{
     core::{
@@ -20,7 +22,7 @@ use crate::{
     image::Rgb8,
     progress::Watch,
     segment::{MaskTrack, RleMask},
-    vision::{Registration, fill_smoothly, single_threaded},
+    vision::{Registration, Warp, fill_smoothly, single_threaded},
 };
 
 /// A receiver's error.
@@ -61,31 +63,30 @@ pub fn clean(
         });
     }
     let survey = Survey::new(&scene, watch)?;
-    let keys = key_frames(count, params.plate_spacing as usize);
+    let services = services(&survey, params);
     let mut coverage = Vec::with_capacity(count);
-    let mut current: Option<Plate> = None;
-    for (number, &key) in keys.iter().enumerate() {
+    let make = |number: usize, previous: Option<&Plate>| -> Result<Option<Plate>, InpaintError> {
+        let Some(service) = services.get(number) else { return Ok(None) };
+        let fade = params.handover as usize;
+        let frames = service.start.saturating_sub(fade)..(service.end + fade).min(count);
+        let key = (service.start + service.end - 1) / 2;
+        plate::build(&scene, &survey, key, frames, previous).map(Some)
+    };
+    let mut previous: Option<Plate> = None;
+    let mut current = make(0, None)?;
+    for (number, service) in services.iter().enumerate() {
         watch.check()?;
-        let end = keys.get(number + 1).copied().unwrap_or(count);
-        let first = match current.take() {
-            Some(plate) => plate,
-            None => plate::build(&scene, &survey, key, key..end, None)?,
-        };
-        let second = match keys.get(number + 1) {
-            Some(&next) => {
-                let beyond = keys.get(number + 2).copied().unwrap_or(count);
-                Some(plate::build(&scene, &survey, next, key..beyond, Some(&first))?)
-            }
-            None => None,
-        };
-        for start in (key..end).step_by(CHUNK) {
+        let next = make(number + 1, current.as_ref())?;
+        for start in service.clone().step_by(CHUNK) {
             watch.check()?;
-            let cleaned: Vec<Result<(Rgb8, FrameCoverage), InpaintError>> = (start..(start + CHUNK).min(end))
+            let cleaned: Vec<Result<(Rgb8, FrameCoverage), InpaintError>> = (start
+                ..(start + CHUNK).min(service.end))
                 .into_par_iter()
                 .map(|frame| {
-                    let weight = (frame - key) as f32 / (end - key) as f32;
+                    let weights = shares(frame, service, params.handover as usize);
+                    let plates = [previous.as_ref(), current.as_ref(), next.as_ref()];
                     let template = template_region.map(|regions| &regions[frame]);
-                    clean_frame(&scene, &survey, frame, &first, second.as_ref(), weight, template)
+                    clean_frame(&scene, &survey, frame, plates, weights, template)
                 })
                 .collect();
             for (frame, cleaned) in (start..).zip(cleaned) {
@@ -95,29 +96,52 @@ pub fn clean(
                 watch.advance(frame + 1, count);
             }
         }
-        current = second;
+        previous = std::mem::replace(&mut current, next);
     }
-    Ok(InpaintReport { coverage, plates: keys.len(), backend: "temporal-plate".to_owned() })
+    Ok(InpaintReport { coverage, plates: services.len(), backend: "temporal-plate".to_owned() })
 }
 
 const CHUNK: usize = 8;
 
-/// Key frames from the first to the last at even distances of about `spacing`.
-fn key_frames(count: usize, spacing: usize) -> Vec<usize> {
-    if count <= 1 {
-        return (0..count).collect();
+/// The stretches of frames that one plate serves: as long as the camera stays near.
+fn services(survey: &Survey, params: &InpaintParams) -> Vec<Range<usize>> {
+    let count = survey.path.frame_count();
+    let shortest = params.plate_spacing.max(1) as usize;
+    let longest = shortest.max(params.longest_service as usize);
+    let mut found = Vec::new();
+    let mut start = 0;
+    while start < count {
+        // The key frame stands in the middle: from there both ends are half as far away.
+        let within =
+            |end: usize| survey.displacement(start, end).is_some_and(|far| far < 2.0 * params.plate_reach);
+        let mut end = start + 1;
+        while end < count && end - start < longest && survey.displacement(start, end).is_some() {
+            if end - start >= shortest && !within(end) {
+                break;
+            }
+            end += 1;
+        }
+        found.push(start..end);
+        start = end;
     }
-    let gaps = (count - 1).div_ceil(spacing.max(1)).max(1);
-    (0..=gaps).map(|i| i * (count - 1) / gaps).collect()
+    found
+}
+
+/// How much the previous, the current and the next plate count on `frame`.
+fn shares(frame: usize, service: &Range<usize>, handover: usize) -> [f32; 3] {
+    let half = (handover as f32 / 2.0).max(0.5);
+    let into = |distance: f32| (0.5 - 0.5 * distance / half).clamp(0.0, 0.5);
+    let before = into((frame - service.start) as f32 + 0.5);
+    let after = into((service.end - frame) as f32 - 0.5);
+    [before, 1.0 - before - after, after]
 }
 
 fn clean_frame(
     scene: &Scene<'_>,
     survey: &Survey,
     frame: usize,
-    first: &Plate,
-    second: Option<&Plate>,
-    weight: f32,
+    plates: [Option<&Plate>; 3],
+    weights: [f32; 3],
     template: Option<&RleMask>,
 ) -> Result<(Rgb8, FrameCoverage), InpaintError> {
     let loaded = scene.load(frame)?;
@@ -131,7 +155,7 @@ fn clean_frame(
     let feather = InpaintParams::pixels(scene.params.feather, loaded.picture.cols() as u32, 1);
     let region = grown_rect(bounds, 2 * feather + 2, loaded.picture.cols(), loaded.picture.rows());
     let mut parts = Vec::new();
-    for (plate, weight) in [(Some(first), 1.0 - weight), (second, weight)] {
+    for (plate, weight) in plates.into_iter().zip(weights) {
         let Some(plate) = plate.filter(|_| weight > 0.0) else { continue };
         if let Some((picture, origin)) = draw_plate(scene, survey, &loaded, frame, plate, region)? {
             parts.push(Part { picture, origin, weight });
@@ -168,8 +192,10 @@ fn draw_plate(
     let Some(guess) = plate.guess_from(survey, frame) else { return Ok(None) };
     let registration = Registration { parallax: scene.params.parallax };
     let still = plate.still();
-    let Some(warp) = registration.register(&loaded.view, &plate.view, &guess, Some(&still))? else {
-        return Ok(None);
+    // A frame too blurred to register still lies about where the camera's path says.
+    let warp = match registration.register(&loaded.view, &plate.view, &guess, Some(&still))? {
+        Some(warp) => warp,
+        None => Warp::along(&guess, loaded.view.scale, plate.view.scale),
     };
     let picture = warp.draw(&plate.picture, region, imgproc::INTER_CUBIC, None)?;
     let origin = warp.draw(&plate.origin, region, imgproc::INTER_NEAREST, Some(Scalar::all(0.0)))?;

@@ -64,7 +64,10 @@ fn widened(cells: &[bool], canvas: &Canvas) -> Vec<bool> {
         .collect()
 }
 
-/// Frames to read for the cells `needed` on the canvas of `key`, in order of use.
+/// Frames to read for the cells `needed` on the canvas of `key`, nearest in time first.
+///
+/// They are picked one by one for what the cells still lack, well apart in time, because a shadow or a
+/// moved thing stays where it is for a while, and from near views, because those register best.
 pub(super) fn choose_sources(
     survey: &Survey,
     canvas: &Canvas,
@@ -72,49 +75,64 @@ pub(super) fn choose_sources(
     needed: &[bool],
     params: &InpaintParams,
 ) -> Vec<usize> {
-    let wanted = params.samples.max(1);
-    let mut samples: Vec<usize> = needed.iter().map(|n| if *n { 0 } else { usize::MAX }).collect();
-    take(survey, canvas, key, key, &mut samples);
-    let mut order: Vec<usize> = (0..survey.path.frame_count()).filter(|frame| *frame != key).collect();
-    order.sort_by_key(|frame| (frame.abs_diff(key), *frame));
-    let mut chosen: Vec<usize> = Vec::new();
-    // First for the samples wanted, well apart in time; then for whatever nobody has seen yet.
-    for (goal, gain_share, spread) in [(wanted, 0.04, 0.4), (1, 0.0, 0.0)] {
-        for &frame in &order {
-            if chosen.len() >= params.max_sources {
-                return chosen;
-            }
-            let lacking = samples.iter().filter(|count| **count < goal).count();
-            if lacking == 0 {
-                break;
-            }
-            let apart = (spread * frame.abs_diff(key) as f64).max(2.0);
-            if chosen.iter().any(|other| (other.abs_diff(frame) as f64) < apart) {
-                continue;
-            }
-            let gain = gain(survey, canvas, key, frame, &samples, goal);
-            if gain as f64 > (gain_share * lacking as f64).max(1.0) {
-                take(survey, canvas, key, frame, &mut samples);
-                chosen.push(frame);
-            }
+    let cells: Vec<usize> = (0..needed.len()).filter(|cell| needed[*cell]).collect();
+    let mut samples = vec![0_u32; cells.len()];
+    let mut candidates: Vec<Candidate> = candidate_frames(key, survey.path.frame_count())
+        .into_iter()
+        .filter_map(|frame| Candidate::new(survey, canvas, key, frame, &cells))
+        .collect();
+    let mut chosen = vec![key];
+    while chosen.len() <= params.max_sources {
+        let value = |candidate: &Candidate| candidate.value(&samples, &chosen);
+        let best =
+            (0..candidates.len()).max_by(|a, b| value(&candidates[*a]).total_cmp(&value(&candidates[*b])));
+        let Some(best) = best.filter(|best| value(&candidates[*best]) > 0.5) else { break };
+        let best = candidates.swap_remove(best);
+        for (count, seen) in samples.iter_mut().zip(&best.sees) {
+            *count += u32::from(*seen);
         }
+        chosen.push(best.frame);
     }
+    chosen.remove(0);
+    chosen.sort_by_key(|frame| (frame.abs_diff(key), *frame));
     chosen
 }
 
-/// Cells with fewer than `goal` samples that `frame` sees.
-fn gain(survey: &Survey, canvas: &Canvas, key: usize, frame: usize, samples: &[usize], goal: usize) -> usize {
-    let Some(map) = survey.path.between(key, frame) else { return 0 };
-    let lacking = samples.iter().enumerate().filter(|(_, count)| **count < goal);
-    lacking.filter(|(cell, _)| sees(survey, frame, &(map * canvas.centre(*cell)))).count()
+/// At most about a hundred frames of the clip, denser near `key`.
+fn candidate_frames(key: usize, count: usize) -> Vec<usize> {
+    let near = 24;
+    let stride = (count / 64).max(1);
+    (0..count).filter(|frame| *frame != key && (frame.abs_diff(key) <= near || frame % stride == 0)).collect()
 }
 
-fn take(survey: &Survey, canvas: &Canvas, key: usize, frame: usize, samples: &mut [usize]) {
-    let Some(map) = survey.path.between(key, frame) else { return };
-    for (cell, count) in samples.iter_mut().enumerate().filter(|(_, count)| **count != usize::MAX) {
-        if sees(survey, frame, &(map * canvas.centre(cell))) {
-            *count += 1;
-        }
+/// A frame that a plate might read.
+struct Candidate {
+    frame: usize,
+    /// Which of the needed cells it shows.
+    sees: Vec<bool>,
+    /// 1 for the key frame's own view, falling as the camera moves away.
+    nearness: f64,
+}
+
+impl Candidate {
+    fn new(survey: &Survey, canvas: &Canvas, key: usize, frame: usize, cells: &[usize]) -> Option<Self> {
+        let map = survey.path.between(key, frame)?;
+        let sees: Vec<bool> =
+            cells.iter().map(|cell| sees(survey, frame, &(map * canvas.centre(*cell)))).collect();
+        let moved = survey.displacement(key, frame)?;
+        sees.iter().any(|seen| *seen).then(|| Self {
+            frame,
+            sees,
+            nearness: 1.0 / (1.0 + (moved * 20.0).powi(2)),
+        })
+    }
+
+    fn value(&self, samples: &[u32], chosen: &[usize]) -> f64 {
+        let lacking = |count: u32| 1.0 / f64::from((1 + count) * (1 + count));
+        let seen = self.sees.iter().zip(samples).filter(|(seen, _)| **seen);
+        let gain: f64 = seen.map(|(_, count)| lacking(*count)).sum();
+        let apart = chosen.iter().map(|other| other.abs_diff(self.frame)).min().unwrap_or(1);
+        gain * self.nearness * (apart as f64).sqrt()
     }
 }
 

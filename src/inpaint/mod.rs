@@ -15,6 +15,7 @@ mod params;
 mod plate;
 mod report;
 mod scene;
+mod shadow;
 mod survey;
 
 pub use clean::clean;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct InpaintParams {
-    /// Longer side, in pixels, of the picture on which frames are registered (default: 640).
+    /// Longer side, in pixels, of the picture on which frames are registered (default: 320).
     pub work_side: u32,
     /// How far the arm mask is widened to make the hole (default: 0.009): covers blurred edges and
     /// the soft shadow at the contact border.
@@ -19,9 +19,16 @@ pub struct InpaintParams {
     pub object_erosion: f64,
     /// Width of the seam over which restored background fades into the frame (default: 0.004).
     pub feather: f64,
-    /// Frames between two plates (default: 15).
+    /// Frames that one plate serves at least, where the clip is long enough (default: 15).
     pub plate_spacing: u32,
-    /// Samples wanted for each pixel of a plate (default: 7).
+    /// Frames that one plate serves at most (default: 60), however little the camera moves.
+    pub longest_service: u32,
+    /// How far the camera may carry the picture's corners away from a plate's key frame, as a share of
+    /// the width, before another plate takes over (default: 0.06).
+    pub plate_reach: f64,
+    /// Frames over which one plate fades into the next (default: 6).
+    pub handover: u32,
+    /// Samples kept for each pixel of a plate, nearest in time first, at most 15 (default: 15).
     pub samples: usize,
     /// Frames a plate may read at most (default: 16).
     pub max_sources: usize,
@@ -42,13 +49,16 @@ pub struct InpaintParams {
 impl Default for InpaintParams {
     fn default() -> Self {
         Self {
-            work_side: 640,
+            work_side: 320,
             hole_dilation: 0.009,
             guard: 0.015,
             object_erosion: 0.003,
             feather: 0.004,
             plate_spacing: 15,
-            samples: 7,
+            longest_service: 60,
+            plate_reach: 0.06,
+            handover: 6,
+            samples: 15,
             max_sources: 16,
             margin: 0.125,
             parallax: true,

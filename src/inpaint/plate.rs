@@ -2,7 +2,10 @@
 
 use nalgebra::Matrix3;
 use opencv::{
-    core::{CV_8UC3, Mat, MatTrait, MatTraitConst, MatTraitConstManual, MatTraitManual, Rect, Scalar, Vec3b},
+    core::{
+        BORDER_REPLICATE, CV_8UC3, CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual,
+        MatTraitManual, Point, Rect, Scalar, Size as CvSize, Vec3b,
+    },
     imgproc,
 };
 use rayon::prelude::*;
@@ -96,7 +99,11 @@ pub(super) fn build(
                 }
             }
         }
-        samples.settle(&mut plate)?;
+        let shadow = samples.settle(&mut plate)?;
+        if let Some(factor) = shadow {
+            plate.view = view_of(&plate)?;
+            super::shadow::lift(&mut plate, factor)?;
+        }
         inherit(&mut plate, previous, survey, &samples, region, params)?;
         fill::fill_unseen(&mut plate.picture, &mut plate.origin, &samples.needed, params)?;
     }
@@ -263,37 +270,129 @@ impl Samples {
         Ok(())
     }
 
-    /// Writes robust means onto the plate.
-    fn settle(&self, plate: &mut Plate) -> opencv::Result<()> {
-        let Some(region) = self.region else { return Ok(()) };
+    /// Writes robust colours onto the plate. Returns by which factor lit ground is brighter than shadowed
+    /// ground, where enough pixels were seen both ways.
+    fn settle(&self, plate: &mut Plate) -> opencv::Result<Option<[f32; 3]>> {
+        let Some(region) = self.region else { return Ok(None) };
         let columns = plate.picture.cols() as usize;
+        let settled: Vec<Settled> = (0..self.pixels.len())
+            .into_par_iter()
+            .map(|i| {
+                let start = i * self.limit;
+                settled(&self.colours[start..start + self.filled[i] as usize])
+            })
+            .collect();
+        let lit = self.agreed(region, &settled, &|settled| settled.lit.is_some())?;
+        let shadowed = self.agreed(region, &settled, &|settled| settled.shadow.is_some())?;
+        let mut ratios: [Vec<f32>; 3] = std::array::from_fn(|_| Vec::new());
         let picture = plate.picture.data_typed_mut::<Vec3b>()?;
         let origin = plate.origin.data_typed_mut::<u8>()?;
         for (i, pixel) in self.pixels.iter().enumerate() {
-            let filled = self.filled[i] as usize;
-            if filled == 0 {
+            if self.filled[i] == 0 {
                 continue;
             }
-            let start = i * self.limit;
             let (x, y) = (*pixel as usize % region.width as usize, *pixel as usize / region.width as usize);
             let at = (region.y as usize + y) * columns + region.x as usize + x;
-            picture[at] = Vec3b::from(robust_mean(&self.colours[start..start + filled]));
+            let colour = match settled[i].lit {
+                Some(lit_colour) if lit[*pixel as usize] > 0.4 => lit_colour,
+                _ => settled[i].usual,
+            };
+            if let Some(factor) = settled[i].shadow.filter(|_| shadowed[*pixel as usize] > 0.9) {
+                for (ratios, factor) in ratios.iter_mut().zip(factor) {
+                    ratios.push(factor);
+                }
+            }
+            picture[at] = Vec3b::from(colour);
             origin[at] = SEEN;
         }
-        Ok(())
+        Ok(common_factor(ratios, (self.pixels.len() / 200).max(100)))
+    }
+
+    /// Share of pixels around each pixel of the region for which `holds`: a shadow is never one pixel.
+    fn agreed(
+        &self,
+        region: Rect,
+        settled: &[Settled],
+        holds: &dyn Fn(&Settled) -> bool,
+    ) -> opencv::Result<Vec<f32>> {
+        let zero = Scalar::all(0.0);
+        let mut lit = Mat::new_rows_cols_with_default(region.height, region.width, CV_32FC1, zero)?;
+        let mut known = lit.try_clone()?;
+        {
+            let (lit, known) = (lit.data_typed_mut::<f32>()?, known.data_typed_mut::<f32>()?);
+            for ((pixel, settled), filled) in self.pixels.iter().zip(settled).zip(&self.filled) {
+                known[*pixel as usize] = if *filled > 0 { 1.0 } else { 0.0 };
+                lit[*pixel as usize] = if holds(settled) { 1.0 } else { 0.0 };
+            }
+        }
+        let mean = |picture: &Mat| -> opencv::Result<Mat> {
+            let mut out = Mat::default();
+            let size = CvSize::new(9, 9);
+            imgproc::blur(picture, &mut out, size, Point::new(-1, -1), BORDER_REPLICATE)?;
+            Ok(out)
+        };
+        let (lit, known) = (mean(&lit)?, mean(&known)?);
+        let pairs = lit.data_typed::<f32>()?.iter().zip(known.data_typed::<f32>()?);
+        Ok(pairs.map(|(lit, known)| if *known > 0.0 { lit / known } else { 0.0 }).collect())
     }
 }
 
-/// The background's colour from samples that may lie in a passing shadow or show a rest of the hand:
-/// the mean of those like the one at three quarters of the brightness. A shadow only darkens, and what
-/// is brighter than three quarters of the samples is an outlier.
-fn robust_mean(samples: &[[u8; 3]]) -> [u8; 3] {
-    let luma = |c: &[u8; 3]| 2 * u32::from(c[0]) + 5 * u32::from(c[1]) + u32::from(c[2]);
-    let mut order: Vec<[u8; 3]> = samples.to_vec();
-    order.sort_by_key(luma);
-    let pivot =
-        order[((order.len() - 1) * 3).div_ceil(4).min(order.len() - 1 - usize::from(order.len() > 3))];
-    let near = order.iter().filter(|c| c.iter().zip(pivot).all(|(a, b)| a.abs_diff(b) <= 14));
+/// What the samples of one pixel say.
+#[derive(Clone, Copy, Debug, Default)]
+struct Settled {
+    /// What is usual around the key frame's time.
+    usual: [u8; 3],
+    /// The brighter state that others show in the same hue, where there is one: no shadow lies on it.
+    lit: Option<[u8; 3]>,
+    /// By which factors the lit state is brighter than the shadowed one, where both were seen.
+    shadow: Option<[f32; 3]>,
+}
+
+/// The median of factors that are at least `enough` and agree among themselves.
+fn common_factor(mut ratios: [Vec<f32>; 3], enough: usize) -> Option<[f32; 3]> {
+    let mut factor = [0.0; 3];
+    for (factor, ratios) in factor.iter_mut().zip(&mut ratios) {
+        if ratios.len() < enough {
+            return None;
+        }
+        ratios.sort_unstable_by(f32::total_cmp);
+        let at = |share: usize| ratios[(ratios.len() - 1) * share / 4];
+        if at(3) > 1.3 * at(1) {
+            return None;
+        }
+        *factor = at(2);
+    }
+    Some(factor)
+}
+
+/// Samples that say what is usual near the key frame's time.
+const USUAL: usize = 7;
+/// Largest brightening that a shadow explains.
+const DARKEST_SHADOW: f32 = 3.0;
+
+/// `samples` nearest in time first.
+fn settled(samples: &[[u8; 3]]) -> Settled {
+    if samples.is_empty() {
+        return Settled::default();
+    }
+    let mut near = [[0_u8; 3]; USUAL];
+    let near = &mut near[..samples.len().min(USUAL)];
+    near.copy_from_slice(&samples[..near.len()]);
+    near.sort_unstable_by_key(luma);
+    // Of two, the brighter: shadows are commoner than highlights.
+    let usual = mean_near(near, near[near.len() / 2]);
+    let lit = lit_state(samples, usual);
+    let bright = lit.unwrap_or(usual);
+    Settled { usual, lit, shadow: shadow_factor(samples, bright) }
+}
+
+fn luma(c: &[u8; 3]) -> u32 {
+    2 * u32::from(c[0]) + 5 * u32::from(c[1]) + u32::from(c[2])
+}
+
+/// The mean of those samples that resemble `pivot`.
+fn mean_near(samples: &[[u8; 3]], pivot: [u8; 3]) -> [u8; 3] {
+    let near = samples.iter().filter(|c| c.iter().zip(pivot).all(|(a, b)| a.abs_diff(b) <= 12));
     let (mut sum, mut count) = ([0_u32; 3], 0_u32);
     for colour in near {
         count += 1;
@@ -302,6 +401,53 @@ fn robust_mean(samples: &[[u8; 3]]) -> [u8; 3] {
         }
     }
     sum.map(|sum| ((sum + count / 2) / count.max(1)) as u8)
+}
+
+/// A tight group of samples clearly brighter than `usual` and of its hue.
+fn lit_state(samples: &[[u8; 3]], usual: [u8; 3]) -> Option<[u8; 3]> {
+    let mut brighter = [[0_u8; 3]; 16];
+    let mut count = 0;
+    for sample in samples.iter().take(brighter.len()) {
+        if is_lit_version(*sample, usual) {
+            brighter[count] = *sample;
+            count += 1;
+        }
+    }
+    if count < 2 {
+        return None;
+    }
+    let brighter = &mut brighter[..count];
+    brighter.sort_unstable_by_key(luma);
+    let pivot = brighter[(count * 3 / 4).min(count - 1 - usize::from(count > 2))];
+    let alike = brighter.iter().filter(|c| c.iter().zip(pivot).all(|(a, b)| a.abs_diff(b) <= 12)).count();
+    (alike >= 2 && 2 * alike >= count).then(|| mean_near(brighter, pivot))
+}
+
+/// By how much `bright` exceeds a tight group of samples that are the same in shadow.
+fn shadow_factor(samples: &[[u8; 3]], bright: [u8; 3]) -> Option<[f32; 3]> {
+    let mut darker = [[0_u8; 3]; 16];
+    let mut count = 0;
+    for sample in samples.iter().take(darker.len()).filter(|sample| is_lit_version(bright, **sample)) {
+        darker[count] = *sample;
+        count += 1;
+    }
+    let darker = &mut darker[..count];
+    darker.sort_unstable_by_key(luma);
+    let pivot = *darker.get(count / 2)?;
+    let alike = darker.iter().filter(|c| c.iter().zip(pivot).all(|(a, b)| a.abs_diff(b) <= 8)).count();
+    (alike >= 2 && 3 * alike >= 2 * count)
+        .then(|| std::array::from_fn(|c| f32::from(bright[c]) / f32::from(pivot[c]).max(1.0)))
+}
+
+/// Whether `bright` is `dark` with a shadow taken off: all channels brighter by about one factor.
+fn is_lit_version(bright: [u8; 3], dark: [u8; 3]) -> bool {
+    let sum = |c: [u8; 3]| c.iter().map(|v| f32::from(*v)).sum::<f32>();
+    let scale = sum(bright) / sum(dark).max(1.0);
+    if !(1.09..=DARKEST_SHADOW).contains(&scale) || sum(bright) - sum(dark) < 24.0 {
+        return false;
+    }
+    let tolerance = 5.0 + 0.25 * (sum(bright) - sum(dark)) / 3.0;
+    bright.iter().zip(dark).all(|(b, d)| (f32::from(*b) - scale * f32::from(d)).abs() <= tolerance)
 }
 
 /// Takes over what the previous plate knew or made up where no source showed anything.
@@ -348,7 +494,18 @@ mod tests {
     #[test]
     fn one_frame_with_skin_on_it_does_not_tint_the_plate() {
         let samples = [[100, 90, 80], [102, 91, 79], [210, 160, 140], [101, 92, 81]];
-        let mean = robust_mean(&samples);
+        let mean = settled(&samples).usual;
         assert!(mean[0].abs_diff(101) <= 1 && mean[1].abs_diff(91) <= 1 && mean[2].abs_diff(80) <= 1);
+    }
+
+    #[test]
+    fn a_lit_state_of_the_same_hue_wins_over_a_shadow_that_lasts() {
+        let shadow = [[62, 54, 46]; 6];
+        let lit = [[100, 88, 75], [101, 88, 76]];
+        let samples: Vec<[u8; 3]> = shadow.into_iter().chain(lit).collect();
+        assert_eq!(settled(&samples).lit.map(|c| c[0] / 10), Some(10));
+        let other_hue = [[150, 60, 40], [151, 61, 40]];
+        let samples: Vec<[u8; 3]> = shadow.into_iter().chain(other_hue).collect();
+        assert_eq!(settled(&samples).lit, None);
     }
 }

@@ -32,6 +32,17 @@ pub(super) struct Loaded {
     pub view: View,
 }
 
+/// One frame at work scale only.
+#[derive(Debug)]
+pub(super) struct Glance {
+    /// CV_8UC1, work size: what is taken out.
+    pub hole: Mat,
+    /// CV_8UC1, work size: what does not show the background.
+    pub blocked: Mat,
+    /// The background at work scale.
+    pub view: View,
+}
+
 /// The clip and its masks.
 pub(super) struct Scene<'a> {
     pub frames: &'a dyn FrameSource,
@@ -69,8 +80,20 @@ impl<'a> Scene<'a> {
         self.frames.frame_count()
     }
 
+    /// Reads frame `index` at work scale, without keeping it: much cheaper than [`Self::load`].
+    pub fn glance(&self, index: usize) -> Result<Glance, InpaintError> {
+        let index = FrameIndex(index as u32);
+        let colour = self.scale.shrink(&self.frames.frame(index)?.to_mat()?)?;
+        let arm = self.scale.shrink_mask(&self.arms.frame(index).mask.decode().to_mat()?)?;
+        let object = self.scale.shrink_mask(&self.object.frame(index).mask.decode().to_mat()?)?;
+        let hole = hole_mat(&arm, &core_mat(&object, self.params)?, self.params)?;
+        let blocked = blocked_mat(&arm, &object, self.params)?;
+        let view = View::new(WorkScale { full: self.scale.work, work: self.scale.work }, &colour, &blocked)?;
+        Ok(Glance { hole, blocked, view })
+    }
+
     /// Reads frame `index` without keeping it.
-    pub fn read(&self, index: usize) -> Result<Loaded, InpaintError> {
+    fn read(&self, index: usize) -> Result<Loaded, InpaintError> {
         let index = FrameIndex(index as u32);
         let picture = self.frames.frame(index)?.to_mat()?;
         let arm = self.arms.frame(index).mask.decode().to_mat()?;

@@ -47,10 +47,10 @@ impl Survey {
             let looked: Vec<Result<_, InpaintError>> = (start..end)
                 .into_par_iter()
                 .map(|index| {
-                    let loaded = scene.read(index)?;
-                    let hole = touched(&loaded.hole, columns, rows)?;
-                    let blocked = touched(&loaded.blocked, columns, rows)?;
-                    Ok((Cells { hole, blocked }, loaded.view))
+                    let glance = scene.glance(index)?;
+                    let hole = touched(&glance.hole, columns, rows)?;
+                    let blocked = touched(&glance.blocked, columns, rows)?;
+                    Ok((Cells { hole, blocked }, glance.view))
                 })
                 .collect();
             let mut views: Vec<View> = previous.take().into_iter().collect();
@@ -76,6 +76,19 @@ impl Survey {
         // One lost step is taken as no motion: later registration decides what fits.
         bridge_single_breaks(&mut steps);
         Ok(Self { columns, rows, cells, path: CameraPath::from_steps(&steps) })
+    }
+
+    /// How far the camera carries the picture's corners between two frames, at most, as a share of the
+    /// width; `None` across a break.
+    pub fn displacement(&self, from: usize, to: usize) -> Option<f64> {
+        let map = self.path.between(from, to)?;
+        let (right, bottom) = ((self.columns * CELL) as f64, (self.rows * CELL) as f64);
+        let corners = [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)];
+        let moved = |(x, y): (f64, f64)| {
+            let q = map * Vector3::new(x, y, 1.0);
+            (q.x / q.z - x).hypot(q.y / q.z - y)
+        };
+        Some(corners.into_iter().map(moved).fold(0.0, f64::max) / right)
     }
 
     /// The cell at work position (`x`, `y`); `None` outside the picture.

@@ -289,6 +289,12 @@ fn residual_flow(target: &View, source: &View, map: &Matrix3<f64>) -> opencv::Re
 }
 
 impl Warp {
+    /// Follows `work`, which takes work pixels of the target to work pixels of the source, without looking at
+    /// the pictures.
+    pub fn along(work: &Matrix3<f64>, target: WorkScale, source: WorkScale) -> Self {
+        Self { target, homography: to_full_size(work, target, source), residual: None }
+    }
+
     /// Draws the part `region` of the full-size target from `source` (full size, any type) with
     /// an OpenCV interpolation; `outside` is what lies beyond the source, `None` repeats its border.
     ///
