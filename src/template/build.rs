@@ -7,7 +7,6 @@ use super::{
     Placement, TemplateError, TemplateParams, TemplateTrack, clean,
     picture::{CutOut, cut_out},
     placement::{Located, locate},
-    smooth::smooth,
 };
 use crate::{
     clip::{FrameIndex, FrameSource},
@@ -16,7 +15,7 @@ use crate::{
     progress::Watch,
     segment::{
         MaskTrack,
-        object::{Keyframe, ObjectParams, Scene},
+        object::{ObjectParams, Scene},
     },
     vision::{WorkScale, single_threaded},
 };
@@ -68,10 +67,7 @@ pub fn build(
     };
     let shape = scale.shrink_mask(&full.to_mat()?)?;
     let shape: Vec<u8> = shape.data_bytes()?.iter().map(|v| u8::from(*v != 0)).collect();
-    let mut located = locate(&scene, object, clean, &shape, params)?;
-    if let Some(key) = Keyframe::new(&scene.view(clean)?, &shape)? {
-        smooth(&mut located, key.centre, key.radius, params.smoothing);
-    }
+    let located = locate(&scene, object, clean, &shape, params)?;
     let confidences = confidences(&located);
     let placements = located
         .iter()

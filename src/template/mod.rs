@@ -3,15 +3,19 @@
 #[cfg(feature = "engine")]
 mod build;
 #[cfg(feature = "engine")]
+mod carry;
+#[cfg(feature = "engine")]
 mod clean;
 #[cfg(feature = "engine")]
 mod params;
+#[cfg(feature = "engine")]
+mod path;
 #[cfg(feature = "engine")]
 mod picture;
 #[cfg(feature = "engine")]
 mod placement;
 #[cfg(feature = "engine")]
-mod smooth;
+mod pose;
 mod track;
 
 #[cfg(feature = "engine")]

@@ -2,19 +2,24 @@
 //!
 //! From the clean frame one sweep runs to each end of the clip. Flow and the last motion predict;
 //! direct alignment against the clean frame itself, never against the frame before, measures: the
-//! texture where the object is visible, and the mask's border where no arm hides it.
+//! texture where the object is visible, and the mask's border where no arm hides it. What both say
+//! about the whole clip is then weighed together (see [`path`]).
 
 use std::sync::Arc;
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix2, Matrix3, Matrix4, SMatrix, Vector4};
 use opencv::core::MatTraitConstManual;
 
-use super::{TemplateError, TemplateParams};
+use super::{
+    TemplateError, TemplateParams,
+    carry::{Carried, Hands, step},
+    path::{self, Step},
+};
 use crate::{
     clip::FrameIndex,
     segment::{
         MaskFlag, MaskTrack,
-        object::{Keyframe, LocalFlow, Roi, Scene, View, apply, arm, fit_similarity, signed_distance},
+        object::{Keyframe, Roi, Scene, View, apply, arm},
     },
     vision::{AlignChannel, AlignPrior, Alignment, Plane, align},
 };
@@ -28,14 +33,30 @@ pub(crate) struct Located {
     pub evidence: f64,
     /// Share of the full shape that the mask shows.
     pub visible: f64,
-    /// Where prediction alone would have put it.
-    pub predicted: Matrix3<f64>,
+    /// How well the placement explains the frame.
+    pub rating: f64,
+    /// What the frame says about the centre, size and turn: the inverse covariance of
+    /// [`Pose::vector`](super::pose::Pose::vector).
+    pub information: Matrix4<f64>,
+}
+
+impl Located {
+    /// The clean frame itself, which is right by definition.
+    fn own() -> Self {
+        Self {
+            transform: Matrix3::identity(),
+            evidence: 1.0,
+            visible: 1.0,
+            rating: 1.3,
+            information: Matrix4::from_diagonal(&Vector4::new(1e4, 1e4, 1e8, 1e8)),
+        }
+    }
 }
 
 /// A frame with its object mask, work scale.
-struct Seen {
-    view: View,
-    mask: Vec<u8>,
+pub(super) struct Seen {
+    pub view: View,
+    pub mask: Vec<u8>,
     trusted: bool,
 }
 
@@ -62,18 +83,22 @@ pub(crate) fn locate(
     let start = Seen::load(scene, object, clean)?;
     let count = object.frames.len();
     let here = clean.as_usize();
-    let identity = Matrix3::identity();
-    let own = Located { transform: identity, evidence: 1.0, visible: 1.0, predicted: identity };
-    let Some(key) = Keyframe::new(&start.view, shape)? else { return Ok(vec![own; count]) };
+    let Some(key) = Keyframe::new(&start.view, shape)? else { return Ok(vec![Located::own(); count]) };
     let start = Arc::new(start);
     let after: Vec<usize> = (here + 1..count).collect();
     let before: Vec<usize> = (0..here).rev().collect();
-    let run = |targets: &[usize]| sweep(scene, object, &key, &start, targets, params);
+    let run = |targets: &[usize]| sweep(scene, object, &key, (clean, &start), targets, params);
     let (after, before) = rayon::join(|| run(&after), || run(&before));
-    let mut located = before?;
-    located.reverse();
-    located.push(own);
-    located.extend(after?);
+    let (after, before) = (after?, before?);
+    // Steps lead from frame k to k + 1; the backward sweep measured the way back.
+    let mut steps: Vec<Step> = before.iter().rev().map(|(_, step)| step.reversed()).collect();
+    steps.extend(after.iter().map(|(_, step)| *step));
+    let mut located: Vec<Located> = before.into_iter().rev().map(|(entry, _)| entry).collect();
+    located.push(Located::own());
+    located.extend(after.into_iter().map(|(entry, _)| entry));
+    if params.smoothing > 0 {
+        path::smooth(&mut located, &steps, key.centre, key.radius);
+    }
     Ok(located)
 }
 
@@ -81,85 +106,71 @@ fn sweep(
     scene: &Scene<'_>,
     object: &MaskTrack,
     key: &Keyframe,
-    start: &Arc<Seen>,
+    start: (FrameIndex, &Arc<Seen>),
     targets: &[usize],
     params: &TemplateParams,
-) -> Result<Vec<Located>, TemplateError> {
-    let mut previous = Arc::clone(start);
+) -> Result<Vec<(Located, Step)>, TemplateError> {
+    let (mut before, mut previous) = (start.0, Arc::clone(start.1));
     let mut transform = Matrix3::identity();
-    let mut held = 0.0;
-    let mut located: Vec<Located> = Vec::with_capacity(targets.len());
+    let mut carried = Carried::default();
+    let mut spread = Matrix4::from_diagonal_element(1e-6);
+    let mut located = Vec::with_capacity(targets.len());
     for target in targets {
         scene.watch.check()?;
-        let seen = Arc::new(Seen::load(scene, object, FrameIndex(*target as u32))?);
-        let (step, now_held) = motion(key, &previous, &seen, &transform, held)?;
-        held = now_held;
-        let predicted = step * transform;
-        let mut found = measure(key, &seen, &predicted, params)?;
-        if found.evidence > 0.35 && located.last().is_some_and(|last| last.evidence < 0.2) {
-            spread_correction(&mut located, key, &found);
+        let index = FrameIndex(*target as u32);
+        let seen = Arc::new(Seen::load(scene, object, index)?);
+        let hands = [before, index].map(|at| scene.landmarks.get(at.as_usize()));
+        let hands = Hands { scale: &scene.scale, before: hands[0], after: hands[1] };
+        let steps = step(key, &previous, &seen, &transform, &hands, &mut carried)?;
+        let mut best: Option<(Located, Step, Matrix4<f64>)> = None;
+        for step in steps {
+            // Another motion than the likeliest has to explain the frame clearly better.
+            let other = step.transform * transform;
+            if best.as_ref().is_some_and(|(_, first, _)| near(key, &(first.transform * transform), &other)) {
+                continue;
+            }
+            let spread = spread + step.precision().try_inverse().unwrap_or_else(Matrix4::zeros);
+            let found = measure(key, &seen, &other, &spread, params)?;
+            if best.as_ref().is_none_or(|(kept, _, _)| found.rating > kept.rating + 0.03) {
+                best = Some((found, step, spread));
+            }
         }
+        let Some((mut found, step, wider)) = best else { continue };
+        spread = wider;
+        let predicted = step.transform * transform;
         if !found.transform.iter().all(|v| v.is_finite()) {
-            found.transform = predicted;
-            found.evidence = 0.0;
+            found = Located { transform: predicted, evidence: 0.0, ..found };
+            found.information = Matrix4::zeros();
+        }
+        if let Some(known) = spread.try_inverse()
+            && let Some(narrower) = (known + found.information).try_inverse()
+        {
+            spread = narrower;
         }
         transform = found.transform;
-        located.push(found);
-        previous = seen;
+        located.push((found, step));
+        (before, previous) = (index, seen);
     }
     Ok(located)
 }
 
-/// The object's motion from `previous` to `seen`, and how much it goes with the hand.
-fn motion(
-    key: &Keyframe,
-    previous: &Seen,
-    seen: &Seen,
-    transform: &Matrix3<f64>,
-    mut held: f64,
-) -> Result<(Matrix3<f64>, f64), TemplateError> {
-    let (width, height) = (previous.view.width, previous.view.height);
-    let margin = (0.7 * key.radius).clamp(24.0, 80.0);
-    let roi = Roi::around(key.bounds(transform), margin, width, height);
-    let flow = LocalFlow::between(&previous.view, &seen.view, roi)?;
-    let mask = roi.crop(&previous.mask, width);
-    let classes = roi.crop(&previous.view.arms, width);
-    let inner = signed_distance(&mask, roi.width, roi.height)?;
-    let placed = key.place(transform, &roi)?;
-    let own = fit_similarity(&flow.matches(|at| inner.data[at] > 1.0, 1500));
-    let enough = inner.data.iter().filter(|d| **d > 1.0).count() as f64 > 0.08 * key.area;
-    let hand = fit_similarity(&flow.matches(|at| classes[at] >= arm::MASK && mask[at] == 0, 800));
-    let away = |at: usize| placed.data[at] < 0.05 && mask[at] == 0 && classes[at] == arm::NONE;
-    let background = fit_similarity(&flow.matches(away, 1200));
-    let centre = apply(transform, key.centre.0, key.centre.1);
-    let shift = |m: &Matrix3<f64>| apply(m, centre.0, centre.1);
-    let gap = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1);
-    if let (true, Some(own), Some(background), Some(hand)) = (enough, &own, &background, &hand) {
-        let moved = shift(&own.transform);
-        let to_background = gap(moved, shift(&background.transform));
-        let to_hand = gap(moved, shift(&hand.transform));
-        if to_background > 0.8 && to_hand < to_background {
-            held += 0.35 * (1.0 - held);
-        } else if to_hand > 0.8 && to_background < 0.5 * to_hand {
-            held *= 0.65;
-        }
-    }
-    let hand = hand.filter(|fit| fit.agreement > 0.3);
-    let carrier = if held > 0.5 { hand.or(background) } else { background.or(hand) };
-    let step = match (own, carrier) {
-        (Some(own), _) if enough && own.agreement > 0.3 => own.transform,
-        (_, Some(carrier)) => carrier.transform,
-        (Some(own), None) => own.transform,
-        (None, None) => Matrix3::identity(),
-    };
-    Ok((step, held))
+/// Whether two placements are much the same.
+fn near(key: &Keyframe, a: &Matrix3<f64>, b: &Matrix3<f64>) -> bool {
+    let (x, y) = key.centre;
+    let corners = [(x - key.radius, y), (x + key.radius, y), (x, y + key.radius)];
+    corners.iter().all(|(x, y)| {
+        let (a, b) = (apply(a, *x, *y), apply(b, *x, *y));
+        (a.0 - b.0).hypot(a.1 - b.1) < 1.0
+    })
 }
 
-/// Aligns the clean view to a frame, coarse to fine.
+/// Aligns the clean view to a frame. `spread` is the covariance of the prediction's
+/// [`Pose::vector`](super::pose::Pose::vector).
 fn measure(
     key: &Keyframe,
     seen: &Seen,
     predicted: &Matrix3<f64>,
+    spread: &Matrix4<f64>,
     params: &TemplateParams,
 ) -> Result<Located, TemplateError> {
     let (width, height) = (seen.view.width, seen.view.height);
@@ -172,7 +183,8 @@ fn measure(
     let mask_bytes = roi.crop(&seen.mask, width);
     let area = mask_bytes.iter().filter(|v| **v != 0).count() as f64;
     let visible = (area / area_of(key, predicted)).min(1.0);
-    let fallback = Located { transform: *predicted, evidence: 0.0, visible, predicted: *predicted };
+    let fallback =
+        Located { transform: *predicted, evidence: 0.0, visible, rating: 0.0, information: Matrix4::zeros() };
     if !seen.trusted || area < 40.0 {
         return Ok(Located { visible: if area < 40.0 { 0.0 } else { visible }, ..fallback });
     }
@@ -206,47 +218,90 @@ fn measure(
         photometric: true,
     };
     let affine = if params.affine { 1.0 } else { 0.0 };
-    let loose =
-        AlignPrior { shift: 0.4, scale: 0.05, rotation: 0.1, affine: 0.05 * affine, perspective: 0.0 };
-    let tight =
-        AlignPrior { shift: 0.12, scale: 0.03, rotation: 0.05, affine: 0.06 * affine, perspective: 0.0 };
-    let (start, centre, radius) = (into * predicted, key.centre, key.radius);
-    let fine = |start: &Matrix3<f64>| {
-        align(&[texture_ref(&texture), outline(&soft_mask)], start, centre, radius, &tight, 12)
+    let radius_here = key.radius * (area_of(key, predicted) / key.area).sqrt();
+    let deviation = |low: usize, high: usize| spread[(low, low)].max(spread[(high, high)]).max(0.0).sqrt();
+    // What little is seen of a hidden object cannot tell its shape from its place.
+    let whole = ramp(visible, 0.5, 0.9);
+    let tight = AlignPrior {
+        shift: (2.0 * deviation(0, 1) / radius_here).clamp(0.12, 0.3),
+        scale: 0.003 + 0.027 * whole,
+        rotation: deviation(3, 3).clamp(0.01, 0.08),
+        affine: affine * (0.01 + 0.05 * whole),
+        perspective: 0.0,
     };
-    // The outline alone helps when prediction was off, or when the object shows another side and its
-    // texture no longer fits: take whichever explains the visible part best.
-    let coarse = align(&[outline(&wide_mask)], &start, centre, radius, &loose, 8);
-    let outlined = align(&[outline(&soft_mask)], &coarse.transform, centre, radius, &tight, 8);
+    let (start, centre, radius) = (into * predicted, key.centre, key.radius);
+    let fine = |start: &Matrix3<f64>, prior: &AlignPrior| {
+        align(&[texture_ref(&texture), outline(&soft_mask)], start, centre, radius, prior, 12)
+    };
+    let back = shift(roi.x as f64, roi.y as f64);
     let rate = |candidate: &Alignment| -> opencv::Result<(f64, f64)> {
-        let placed = key.place(&(shift(roi.x as f64, roi.y as f64) * candidate.transform), &roi)?;
+        let placed = key.place(&(back * candidate.transform), &roi)?;
         let overlap = visible_overlap(&placed, &mask, &clear);
         Ok((overlap, overlap + 0.3 * candidate.agreement * candidate.seen))
     };
-    let mut best: Option<((f64, f64), Alignment)> = None;
-    let mut consider = |candidate: Alignment| -> opencv::Result<f64> {
-        let rating = rate(&candidate)?;
-        if best.as_ref().is_none_or(|(other, _)| rating.1 > other.1 + 0.01) {
-            best = Some((rating, candidate));
+    let mut best = fine(&start, &tight);
+    let mut rating = rate(&best)?;
+    // Where most of the object is seen, or prediction says nothing, the outline may move it further:
+    // prediction was off, or the object shows another side and its texture no longer fits.
+    let lost = deviation(0, 1) > 0.35 * radius_here;
+    if rating.0 < 0.97 || lost {
+        let loose = AlignPrior {
+            shift: 0.4,
+            scale: 0.003 + 0.047 * whole,
+            rotation: 0.02 + 0.08 * whole,
+            affine: affine * 0.05 * whole,
+            perspective: 0.0,
+        };
+        let near = AlignPrior { shift: 0.12, ..loose };
+        let coarse = align(&[outline(&wide_mask)], &start, centre, radius, &loose, 8);
+        let mut candidates = vec![
+            fine(&coarse.transform, &near),
+            align(&[outline(&soft_mask)], &coarse.transform, centre, radius, &near, 8),
+        ];
+        if rating.0 < 0.86 {
+            let placed = key.place(predicted, &roi)?;
+            let moved = by_moments(&placed, &mask, &clear) * start;
+            let outlined = align(&[outline(&wide_mask)], &moved, centre, radius, &loose, 8);
+            candidates.push(align(&[outline(&soft_mask)], &outlined.transform, centre, radius, &near, 8));
+            candidates.push(fine(&outlined.transform, &near));
         }
-        Ok(best.as_ref().map_or(0.0, |(rating, _)| rating.0))
-    };
-    consider(fine(&start))?;
-    consider(fine(&coarse.transform))?;
-    if consider(outlined)? < 0.86 {
-        let placed = key.place(predicted, &roi)?;
-        let moved = by_moments(&placed, &mask, &clear) * start;
-        let outlined = align(&[outline(&wide_mask)], &moved, centre, radius, &loose, 8);
-        consider(align(&[outline(&soft_mask)], &outlined.transform, centre, radius, &tight, 8))?;
-        consider(fine(&outlined.transform))?;
+        for candidate in candidates {
+            let other = rate(&candidate)?;
+            if other.1 > rating.1 + 0.01 {
+                (best, rating) = (candidate, other);
+            }
+        }
     }
-    let Some((_, found)) = best else { return Ok(fallback) };
-    let back = shift(roi.x as f64, roi.y as f64);
-    let transform = back * found.transform;
-    let ramp = |value: f64, low: f64, high: f64| ((value - low) / (high - low)).clamp(0.0, 1.0);
-    let evidence = ramp(found.agreement, 0.35, 0.75) * ramp(visible, 0.05, 0.4);
+    let transform = back * best.transform;
+    let sound = ramp(best.agreement, 0.35, 0.75) * ramp(rating.0, 0.4, 0.8);
+    let information = information(&best, &transform, radius, affine) * sound;
+    let evidence = sound * ramp(visible, 0.05, 0.4);
     let visible = (area / area_of(key, &transform)).min(1.0);
-    Ok(Located { transform, evidence, visible, predicted: *predicted })
+    Ok(Located { transform, evidence, visible, rating: rating.1, information })
+}
+
+/// What an alignment says about [`Pose::vector`](super::pose::Pose::vector), aspect and shear left open.
+fn information(found: &Alignment, transform: &Matrix3<f64>, radius: f64, affine: f64) -> Matrix4<f64> {
+    let order = [4, 5, 0, 1, 2, 3];
+    let n = SMatrix::<f64, 6, 6>::from_fn(|r, c| found.information[(order[r], order[c])]);
+    let mut own = n.fixed_view::<4, 4>(0, 0).into_owned();
+    if affine > 0.0 {
+        let open = n.fixed_view::<2, 2>(4, 4).into_owned() + Matrix2::from_diagonal_element(400.0);
+        if let Some(inverse) = open.try_inverse() {
+            let across = n.fixed_view::<4, 2>(0, 4).into_owned();
+            own -= across * inverse * across.transpose();
+        }
+    }
+    // Shifts are in radii along the template's axes.
+    let linear = transform.fixed_view::<2, 2>(0, 0).into_owned() * radius;
+    let Some(inverse) = linear.try_inverse() else { return Matrix4::zeros() };
+    let mut change = Matrix4::identity();
+    change.fixed_view_mut::<2, 2>(0, 0).copy_from(&inverse);
+    change.transpose() * own * change
+}
+
+fn ramp(value: f64, low: f64, high: f64) -> f64 {
+    ((value - low) / (high - low)).clamp(0.0, 1.0)
 }
 
 fn texture_ref<'a>(channel: &AlignChannel<'a>) -> AlignChannel<'a> {
@@ -285,34 +340,4 @@ fn by_moments(placed: &Plane, mask: &Plane, clear: &Plane) -> Matrix3<f64> {
 fn area_of(key: &Keyframe, transform: &Matrix3<f64>) -> f64 {
     let linear = transform[(0, 0)] * transform[(1, 1)] - transform[(0, 1)] * transform[(1, 0)];
     (key.area * linear.abs()).max(1.0)
-}
-
-/// After a stretch without evidence, what prediction had drifted by is shared out over the stretch.
-fn spread_correction(located: &mut [Located], key: &Keyframe, found: &Located) {
-    let blind = located.iter().rev().take_while(|l| l.evidence < 0.2).count();
-    let at = |m: &Matrix3<f64>| apply(m, key.centre.0, key.centre.1);
-    let (wrong, right) = (at(&found.predicted), at(&found.transform));
-    let (dx, dy) = (right.0 - wrong.0, right.1 - wrong.1);
-    let angle = |m: &Matrix3<f64>| m[(1, 0)].atan2(m[(0, 0)]);
-    let turn = angle(&found.transform) - angle(&found.predicted);
-    let turn = turn.sin().atan2(turn.cos());
-    let start = located.len() - blind;
-    for (k, entry) in located[start..].iter_mut().enumerate() {
-        let share = (k + 1) as f64 / (blind + 1) as f64;
-        let centre = at(&entry.transform);
-        let (sin, cos) = (share * turn).sin_cos();
-        let (tx, ty) = (centre.0 + share * dx, centre.1 + share * dy);
-        let rotate = Matrix3::new(
-            cos,
-            -sin,
-            tx - cos * centre.0 + sin * centre.1,
-            sin,
-            cos,
-            ty - sin * centre.0 - cos * centre.1,
-            0.0,
-            0.0,
-            1.0,
-        );
-        entry.transform = rotate * entry.transform;
-    }
 }

@@ -69,6 +69,10 @@ pub struct Alignment {
     pub agreement: f64,
     /// Share of weighted samples that fell on trusted parts of the picture.
     pub seen: f64,
+    /// What the picture alone, without the prior, says about the update: its Gauss–Newton normal
+    /// matrix over scale, rotation, aspect, shear, shift x, shift y and perspective x, y, shifts in
+    /// radii of the template along its own axes.
+    pub information: SMatrix<f64, 8, 8>,
 }
 
 /// Generators of the update: scale, rotation, aspect, shear, shift x, shift y, perspective x, y.
@@ -116,7 +120,8 @@ pub fn align(
         let update = basis.iter().zip(parameters.iter()).map(|(g, p)| g * *p).sum::<Matrix3<f64>>();
         base * (Matrix3::identity() + update)
     };
-    let mut result = Alignment { transform: *initial, agreement: 0.0, seen: 0.0 };
+    let mut result =
+        Alignment { transform: *initial, agreement: 0.0, seen: 0.0, information: SMatrix::zeros() };
     for iteration in 0..=iterations {
         let warp = compose(&parameters);
         let mut normal = SMatrix::<f64, 8, 8>::zeros();
@@ -139,6 +144,7 @@ pub fn align(
             transform: warp * normalise,
             agreement: if agreement.1 > 0.0 { agreement.0 / agreement.1 } else { 0.0 },
             seen: if seen.1 > 0.0 { seen.0 / seen.1 } else { 0.0 },
+            information: normal,
         };
         if iteration == iterations {
             break;

@@ -29,7 +29,7 @@ use std::{
 use rayon::prelude::*;
 
 pub(crate) use keyframe::{Keyframe, apply};
-pub(crate) use motion::{LocalFlow, fit_similarity};
+pub(crate) use motion::{LocalFlow, Similarity, fit_similarity};
 pub use params::{ObjectParams, ObjectPrompt, PromptKind};
 
 pub(crate) use shape::{bounds_of, byte_mat, signed_distance};

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     segment::SegmentError,
-    vision::{AlignChannel, AlignPrior, ColourModel, EdgeWeights, Plane, align, tv_cut},
+    vision::{AlignChannel, AlignPrior, Alignment, ColourModel, EdgeWeights, Plane, align, tv_cut},
 };
 
 /// Where the object is on one frame, and what has been learned so far.
@@ -98,19 +98,21 @@ fn surround(key: &Keyframe) -> f64 {
 
 /// Advances `state` to `view`.
 pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Result<State, SegmentError> {
-    let (mut predicted, held) = predict(state, &view)?;
+    let Prediction { likely: mut predicted, mut others, held } = predict(state, &view)?;
     // A search costs as much as several frames: not on every one.
     if state.missing >= 2
         && state.missing.is_multiple_of(3)
         && let Some(found) = redetect(scene, state, &view)?
     {
         predicted = found;
+        others.clear();
     }
     let margin = surround(&state.key).max(20.0);
-    let roi = Roi::around(state.key.bounds(&predicted), margin, view.width, view.height);
+    let around = |start: &Matrix3<f64>| Roi::around(state.key.bounds(start), margin, view.width, view.height);
+    let roi = others.iter().fold(around(&predicted), |roi, other| roi.union(&around(other)));
     let evidence = Evidence::read(&view, &roi, &state.colours, scene.arm_colours.as_ref());
     let free = evidence.free_of_arm(&roi);
-    let (transform, agreement) = refine(state, &view, &roi, &evidence, &free, &predicted)?;
+    let (transform, agreement) = refine(state, &view, &roi, &evidence, &free, (&predicted, &others))?;
     let placed = state.key.place(&transform, &roi)?;
     let placed_bytes: Vec<u8> = placed.data.iter().map(|v| u8::from(*v > 0.5)).collect();
     let distance = signed_distance(&placed_bytes, roi.width, roi.height)?;
@@ -166,8 +168,17 @@ pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Resu
     Ok(next)
 }
 
-/// Predicts the transform from the flow of what is visible, else from what the object goes with.
-fn predict(state: &State, view: &View) -> Result<(Matrix3<f64>, f64), SegmentError> {
+/// Where the object may be.
+struct Prediction {
+    /// The likeliest transform: by the flow of what is visible, else by what the object goes with.
+    likely: Matrix3<f64>,
+    /// Others: with the scene, with the hand.
+    others: Vec<Matrix3<f64>>,
+    held: f64,
+}
+
+/// Predicts the transform from flow.
+fn predict(state: &State, view: &View) -> Result<Prediction, SegmentError> {
     let previous = &state.view;
     let margin = (0.8 * state.key.radius).clamp(28.0, 90.0);
     let roi = Roi::around(state.key.bounds(&state.transform), margin, view.width, view.height);
@@ -197,23 +208,26 @@ fn predict(state: &State, view: &View) -> Result<(Matrix3<f64>, f64), SegmentErr
     }
     let hand = hand.filter(|fit| fit.agreement > 0.3);
     let carrier = if held > 0.5 { hand.or(background) } else { background.or(hand) };
+    let others = [background, hand].into_iter().flatten().map(|fit| fit.transform * state.transform);
+    let others = others.collect();
     let step = match (object, carrier) {
         (Some(object), _) if enough => object.transform,
         (_, Some(carrier)) => carrier.transform,
         (Some(object), None) => object.transform,
         (None, None) => Matrix3::identity(),
     };
-    Ok((step * state.transform, held))
+    Ok(Prediction { likely: step * state.transform, others, held })
 }
 
-/// Aligns the keyframe's texture and outline to the view.
+/// Aligns the keyframe's texture and outline to the view, from the likeliest start; another start
+/// wins where it explains the view clearly better.
 fn refine(
     state: &State,
     view: &View,
     roi: &Roi,
     evidence: &Evidence,
     free: &Plane,
-    predicted: &Matrix3<f64>,
+    (likely, others): (&Matrix3<f64>, &[Matrix3<f64>]),
 ) -> Result<(Matrix3<f64>, f64), SegmentError> {
     let gray = roi.crop_plane(&view.gray_plane).blurred(0.8)?;
     let probability = evidence.object_probability(roi).blurred(1.5)?;
@@ -237,8 +251,30 @@ fn refine(
         strength: 40.0,
         photometric: false,
     };
-    let prior = AlignPrior { shift: 0.12, scale: 0.025, rotation: 0.04, affine: 0.035, perspective: 0.01 };
-    let found = align(&[texture, outline], &(back * predicted), key.centre, key.radius, &prior, 12);
+    // What little is seen of a hidden object cannot tell its shape from its place.
+    let whole = ((state.visible - 0.5) / 0.4).clamp(0.0, 1.0);
+    let prior = AlignPrior {
+        shift: 0.12,
+        scale: 0.008 + 0.017 * whole,
+        rotation: 0.02 + 0.02 * whole,
+        affine: 0.005 + 0.03 * whole,
+        perspective: 0.002 + 0.008 * whole,
+    };
+    let channels = [texture, outline];
+    let fit = |start: &Matrix3<f64>| align(&channels, &(back * start), key.centre, key.radius, &prior, 12);
+    let rating = |found: &Alignment| found.agreement * (0.6 + 0.4 * found.seen);
+    let mut found = fit(likely);
+    let centre = |start: &Matrix3<f64>| apply(start, key.centre.0, key.centre.1);
+    let first = centre(likely);
+    for other in others {
+        let place = centre(other);
+        if (place.0 - first.0).hypot(place.1 - first.1) > 1.5 && found.agreement < 0.9 {
+            let again = fit(other);
+            if rating(&again) > rating(&found) + 0.03 {
+                found = again;
+            }
+        }
+    }
     Ok((shift * found.transform, found.agreement))
 }
 
@@ -297,7 +333,10 @@ fn learn(
         next.colours.object.blend(&seen, 0.04);
     }
     let changed = measures.overlap < 0.94 || measures.agreement < 0.6 || next.age >= 20;
-    let stays = (0.4..2.5).contains(&measures.growth) && (0.8..1.25).contains(&measures.area_ratio);
+    // Beside an arm nobody knows where the shape ends: there its size has to stay.
+    let touched = beside_arm(&next.view, roi, distance);
+    let sizes = if touched { 0.85..1.2 } else { 0.4..2.5 };
+    let stays = sizes.contains(&measures.growth) && (0.8..1.25).contains(&measures.area_ratio);
     let inside = bounds_of(&next.shape, next.view.width).is_some_and(|b| {
         b.0 > 1.0 && b.1 > 1.0 && b.2 < next.view.width as f64 - 1.0 && b.3 < next.view.height as f64 - 1.0
     });
@@ -314,4 +353,16 @@ fn learn(
         next.age = 0;
     }
     Ok(())
+}
+
+/// Whether an arm covers a fair part of a thin ring around the shape.
+fn beside_arm(view: &View, roi: &Roi, distance: &Plane) -> bool {
+    let classes = roi.crop(&view.arms, view.width);
+    let ring = distance.data.iter().zip(&classes).filter(|(d, _)| **d < 0.0 && **d > -4.0);
+    let (mut all, mut covered) = (0_u32, 0_u32);
+    for (_, class) in ring {
+        all += 1;
+        covered += u32::from(*class >= arm::MASK);
+    }
+    20 * covered > all
 }
