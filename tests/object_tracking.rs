@@ -93,7 +93,7 @@ fn one_box_follows_the_object_behind_an_arm_and_the_template_stays_whole() {
         let there = placement.transform * middle;
         let truth = (f64::from(left(at as u32)) + 21.5, 81.5);
         let error = (there.x / there.z - truth.0).hypot(there.y / there.z - truth.1);
-        assert!(error < 9.0, "frame {at}: centre off by {error} px");
+        assert!(error < 2.0, "frame {at}: centre off by {error} px");
     }
 }
 
