@@ -200,7 +200,9 @@ fn a_far_wrist_is_reported_and_keeps_its_pixel_as_well_as_it_can() {
             frame.joints = frame.joints.map(|joint| Position::new(joint.xyz + frame.joints[WRIST].xyz));
         }
     }
-    let params = RetargetParams { beta: Beta::Fixed(1.0), ..Default::default() };
+    // A view that a person chose is kept; the default one would be moved to where the hands are.
+    let offset = Vector3::new(0.06, 0.0, 0.43);
+    let params = RetargetParams { beta: Beta::Fixed(1.0), offset, ..Default::default() };
     let (_, motion) = run(&track, &params);
     for side in Side::BOTH {
         for (human, report) in track.hands[side].iter().zip(&motion.sides[side]) {

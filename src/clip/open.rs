@@ -230,7 +230,10 @@ fn flags(
 /// When the file cannot be read or `watch` cancels.
 pub fn content_hash(path: &Path, watch: &dyn Watch) -> Result<String, ClipError> {
     let failed = |source| ClipError::Io { path: path.into(), doing: "reading", source };
-    let mut file = File::open(path).map_err(failed)?;
+    // A file that is not there or not ours to read stays so: bad input, not a fault of the disk.
+    let unreadable =
+        |error: std::io::Error| ClipError::Unreadable { path: path.into(), reason: error.to_string() };
+    let mut file = File::open(path).map_err(unreadable)?;
     let mut hasher = blake3::Hasher::new();
     let mut chunk = vec![0; 1 << 18];
     loop {
