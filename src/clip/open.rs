@@ -6,7 +6,7 @@ use super::{
     CameraSpec, ClipError, ClipFlag, ClipInfo, ClipRequest, FrameError, FrameIndex, FrameRow, FrameSource,
     FrameStore, FrameStoreWriter, Resampler, StoreError,
     decode::Decoder,
-    probe::{StreamProbe, probe},
+    probe::{StreamProbe, check_readable, probe},
     timing::Timing,
 };
 use crate::{geometry::Size, image::Rgb8, progress::Watch};
@@ -230,10 +230,8 @@ fn flags(
 /// When the file cannot be read or `watch` cancels.
 pub fn content_hash(path: &Path, watch: &dyn Watch) -> Result<String, ClipError> {
     let failed = |source| ClipError::Io { path: path.into(), doing: "reading", source };
-    // A file that is not there or not ours to read stays so: bad input, not a fault of the disk.
-    let unreadable =
-        |error: std::io::Error| ClipError::Unreadable { path: path.into(), reason: error.to_string() };
-    let mut file = File::open(path).map_err(unreadable)?;
+    check_readable(path)?;
+    let mut file = File::open(path).map_err(failed)?;
     let mut hasher = blake3::Hasher::new();
     let mut chunk = vec![0; 1 << 18];
     loop {

@@ -110,7 +110,8 @@ pub fn probe(path: &Path) -> Result<StreamProbe, ClipError> {
     choose_stream(path, report)
 }
 
-fn check_readable(path: &Path) -> Result<(), ClipError> {
+/// Whether `path` is a file with content that may be read; what it says stays so: bad input, not a fault of the disk.
+pub(super) fn check_readable(path: &Path) -> Result<(), ClipError> {
     let refuse = |reason: String| Err(ClipError::Unreadable { path: path.into(), reason });
     // A named pipe must not be opened before this: that would wait for a writer.
     match std::fs::metadata(path) {
