@@ -5,6 +5,15 @@ use opencv::core::{Mat, MatTraitConstManual};
 use super::work_frame::WorkFrame;
 use crate::vision::LabHistogram;
 
+/// Shadows that arms cast on the background: share of the light that is left, and how often.
+const SHADOWS: [(f32, f32); 3] = [(0.55, 0.05), (0.68, 0.05), (0.82, 0.05)];
+
+/// An 8-bit Lab colour in shadow: chroma falls with lightness.
+fn shaded(lab: [u8; 3], ratio: f32) -> [u8; 3] {
+    let chroma = |value: u8| (128.0 + ratio * (f32::from(value) - 128.0)).round() as u8;
+    [(ratio * f32::from(lab[0])).round() as u8, chroma(lab[1]), chroma(lab[2])]
+}
+
 /// Histograms of what is arm and what is not.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColourModel {
@@ -21,6 +30,9 @@ impl ColourModel {
                 self.arm.add(*lab);
             } else if *background != 0 {
                 self.background.add(*lab);
+                for (ratio, weight) in SHADOWS {
+                    self.background.add_weighted(shaded(*lab, ratio), weight);
+                }
             }
         }
         Ok(())

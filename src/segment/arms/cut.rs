@@ -2,7 +2,7 @@
 
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual};
 
-use super::{params::ArmParams, plate::UNKNOWN, shape::HandShape, work_frame::WorkFrame};
+use super::{params::ArmParams, plate::UNKNOWN, shape::HandShape, sleeve, work_frame::WorkFrame};
 use crate::vision::{binary, grab_cut};
 
 /// What speaks for arm on a frame.
@@ -73,7 +73,39 @@ fn candidates(evidence: &Evidence<'_>, regions: &Regions, params: &ArmParams) ->
     let bridged = binary::map2(&bridged, &regions.cone, |a, b| a & b)?;
     likely = binary::map2(&likely, &bridged, |a, b| a | b)?;
     let kept = binary::touching(&binary::opened(&likely, 1)?, &regions.core)?;
-    binary::map2(&kept, &regions.core, |a, b| a | b)
+    let kept = binary::map2(&kept, &regions.core, |a, b| a | b)?;
+    let sleeves = sleeve_pixels(evidence, &kept, 1.0, params)?;
+    binary::map2(&kept, &sleeves, |a, b| a | b)
+}
+
+/// Where a sleeve must continue the skin, less what is background.
+fn sleeve_pixels(evidence: &Evidence<'_>, skin: &Mat, share: f64, params: &ArmParams) -> opencv::Result<Mat> {
+    let strip = sleeve::drawn(evidence.hands, skin, share)?;
+    let strip = match evidence.change {
+        Some(change) => {
+            let still = params.still_threshold.clamp(0.0, 255.0) as u8;
+            binary::map2(&strip, change, |strip, change| if change < still { 0 } else { strip })?
+        }
+        None => strip,
+    };
+    // Only what the background's colours do not explain.
+    binary::map2(&strip, evidence.posterior, |strip, p| if p > 20 { strip } else { 0 })
+}
+
+/// The middle of the sleeves beside `mask`, to learn their colours from.
+pub(super) fn sleeve_to_learn(
+    evidence: &Evidence<'_>,
+    mask: &Mat,
+    params: &ArmParams,
+) -> opencv::Result<Mat> {
+    let strip = sleeve::drawn(evidence.hands, mask, 0.6)?;
+    match evidence.change {
+        Some(change) => {
+            let still = params.still_threshold.clamp(0.0, 255.0) as u8;
+            binary::map2(&strip, change, |strip, change| if change < still { 0 } else { strip })
+        }
+        None => Ok(strip),
+    }
 }
 
 /// Candidate components around the skeletons, decided by GrabCut. CV_8UC1 at work size.

@@ -23,11 +23,28 @@ struct Chain {
     steps: Vec<usize>,
 }
 
+/// Frames to either side among which a mask must not be much the smallest.
+const NEIGHBOURHOOD: usize = 8;
+
+/// Which masks are no less than their neighbours: a sudden loss of a forearm is a drop-out too.
+fn whole_masks(own: &[Option<RleMask>]) -> Vec<bool> {
+    let areas: Vec<u64> = own.iter().map(|mask| mask.as_ref().map_or(0, RleMask::area)).collect();
+    let is_whole = |index: usize| {
+        let near = index.saturating_sub(NEIGHBOURHOOD)..(index + NEIGHBOURHOOD + 1).min(areas.len());
+        let mut around: Vec<u64> = areas[near].iter().copied().filter(|area| *area > 0).collect();
+        around.sort_unstable();
+        let median = around.get(around.len() / 2).copied().unwrap_or(0);
+        own[index].is_some() && 10 * areas[index] >= 7 * median
+    };
+    (0..own.len()).map(is_whole).collect()
+}
+
 fn chains(clip: &Clip<'_>, own: &[Option<RleMask>]) -> Vec<Chain> {
     let (count, longest) = (clip.count(), clip.params.longest_dropout);
+    let whole = whole_masks(own);
     let mut found = Vec::new();
     for side in Side::BOTH {
-        let is_known = |index: usize| own[index].is_some() && clip.sides[index][side].is_some();
+        let is_known = |index: usize| whole[index] && clip.sides[index][side].is_some();
         for anchor in (0..count).filter(|index| is_known(*index)) {
             let forward: Vec<usize> =
                 (anchor + 1..count).take(longest).take_while(|i| !is_known(*i)).collect();

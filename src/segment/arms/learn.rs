@@ -3,13 +3,26 @@
 use opencv::core::{Mat, MatTraitConst};
 use rayon::prelude::*;
 
-use super::{Clip, colour::ColourModel, cut::cut_frame, plate::UNKNOWN, work_frame::WorkFrame};
+use super::{
+    Clip,
+    colour::ColourModel,
+    cut::{cut_frame, sleeve_to_learn},
+    plate::UNKNOWN,
+    work_frame::WorkFrame,
+};
 use crate::{clip::FrameIndex, segment::SegmentError, vision::binary};
+
+/// Frames with all hands seen that are enough to learn from.
+const ENOUGH_WHOLE_FRAMES: usize = 10;
 
 /// Frames to learn from: those with hands or human masks, evenly spread.
 pub(super) fn training_frames(clip: &Clip<'_>) -> Vec<usize> {
     let usable: Vec<usize> =
         (0..clip.count()).filter(|i| !clip.hands[*i].is_empty() || clip.human_mask(*i).is_some()).collect();
+    // A hand that the estimator missed would teach the background its sleeve.
+    let whole: Vec<usize> =
+        usable.iter().copied().filter(|i| clip.hands[*i].len() == clip.most_hands).collect();
+    let usable = if whole.len() >= ENOUGH_WHOLE_FRAMES { whole } else { usable };
     let stride = usable.len().div_ceil(clip.params.training_frames.max(1)).max(1);
     let mut chosen: Vec<usize> = usable.iter().copied().skip(stride / 2).step_by(stride).collect();
     chosen.extend(clip.human.keys().map(|frame| frame.as_usize()));
@@ -66,7 +79,9 @@ pub(super) fn next_model(
             None => {
                 let posterior = frame.posterior(table)?;
                 let evidence = clip.evidence(*index, &posterior, change.as_ref(), None);
-                cut_frame(&frame, &evidence, clip.params)?
+                let mask = cut_frame(&frame, &evidence, clip.params)?;
+                let sleeves = sleeve_to_learn(&evidence, &mask, clip.params)?;
+                binary::map2(&mask, &sleeves, |a, b| a | b)?
             }
         };
         let mut model = ColourModel::default();

@@ -10,6 +10,7 @@ mod learn;
 mod params;
 mod plate;
 mod shape;
+mod sleeve;
 mod work_frame;
 
 use std::collections::BTreeMap;

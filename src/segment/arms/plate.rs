@@ -24,6 +24,8 @@ pub(super) const DOUBTFUL: u8 = 128;
 pub(super) const NEUTRAL: u8 = 15;
 /// The change where the background was never seen.
 pub(super) const UNKNOWN: u8 = 255;
+/// The change reported for the background in shadow: none.
+pub(super) const SHADOW: u8 = 0;
 /// Key frames over the whole clip.
 const KEYFRAMES: usize = 40;
 
@@ -75,6 +77,8 @@ impl Plate {
             .map(|(lab, hidden)| Ok((lab.data_bytes()?.as_chunks::<3>().0, hidden.data_bytes()?)))
             .collect::<opencv::Result<Vec<_>>>()?;
         let pixels = frame.pixels()?;
+        let mut plate_light: Vec<u8> = pixels.iter().map(|lab| lab[0]).collect();
+        let mut shadowed = vec![Shade::No; pixels.len()];
         for (position, value) in change.data_bytes_mut()?.iter_mut().enumerate() {
             let mut seen = [[0_u8; SAMPLES]; 3];
             let (mut count, mut certain) = (0, 0);
@@ -91,15 +95,30 @@ impl Plate {
                 *value = UNKNOWN;
                 continue;
             }
-            let mut squared = 0.0;
-            for channel in 0..3 {
+            let median = [0, 1, 2].map(|channel| {
                 let values = &mut seen[channel][..count];
                 values.sort_unstable();
-                let median = f32::from(values[count / 2]);
-                squared += (f32::from(pixels[position][channel]) - median).powi(2);
-            }
+                values[count / 2]
+            });
+            plate_light[position] = median[0];
+            shadowed[position] = is_shaded(pixels[position], median);
+            let squared: f32 = (0..3)
+                .map(|channel| (f32::from(pixels[position][channel]) - f32::from(median[channel])).powi(2))
+                .sum();
             let difference = squared.sqrt().min(254.0) as u8;
             *value = if certain < 2 { difference.max(NEUTRAL) } else { difference };
+        }
+        let light: Vec<u8> = pixels.iter().map(|lab| lab[0]).collect();
+        let alike = same_texture(&light, &plate_light, (rows, cols))?;
+        for ((value, shade), alike) in change.data_bytes_mut()?.iter_mut().zip(shadowed).zip(alike) {
+            let shadow = match shade {
+                Shade::Surely => alike != Texture::Other,
+                Shade::Perhaps => alike == Texture::Same,
+                Shade::No => false,
+            };
+            if shadow {
+                *value = SHADOW;
+            }
         }
         Ok(change)
     }
@@ -121,6 +140,76 @@ impl Plate {
         }
         Ok(samples)
     }
+}
+
+/// Whether a pixel may be the background in shadow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shade {
+    No,
+    /// Darker and of a similar hue: shadow if the background's texture shows through.
+    Perhaps,
+    /// Darker and of the very same hue.
+    Surely,
+}
+
+/// A shadow scales lightness and with it chroma (both in OpenCV's 8-bit Lab).
+fn is_shaded(pixel: [u8; 3], background: [u8; 3]) -> Shade {
+    let ratio = f32::from(pixel[0]) / f32::from(background[0]).max(1.0);
+    if !(0.35..0.95).contains(&ratio) || background[0] < 40 {
+        return Shade::No;
+    }
+    let chroma = |lab: [u8; 3]| [f32::from(lab[1]) - 128.0, f32::from(lab[2]) - 128.0];
+    let (now, before) = (chroma(pixel), chroma(background));
+    let error = (now[0] - ratio * before[0]).hypot(now[1] - ratio * before[1]);
+    match error {
+        error if error < 2.5 => Shade::Surely,
+        error if error < 7.0 => Shade::Perhaps,
+        _ => Shade::No,
+    }
+}
+
+/// How two pictures compare within 7×7 pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Texture {
+    /// Neither has any.
+    Flat,
+    /// They vary together (correlation above a half).
+    Same,
+    Other,
+}
+
+fn same_texture(first: &[u8], second: &[u8], (rows, cols): (i32, i32)) -> opencv::Result<Vec<Texture>> {
+    let plane = |value: &dyn Fn(usize) -> f32| -> opencv::Result<Mat> {
+        let values: Vec<f32> = (0..first.len()).map(value).collect();
+        let raw = Mat::new_rows_cols_with_data(rows, cols, &values)?;
+        let mut mean = Mat::default();
+        let (kernel, anchor) = (opencv::core::Size::new(7, 7), opencv::core::Point::new(-1, -1));
+        imgproc::blur(&raw, &mut mean, kernel, anchor, opencv::core::BORDER_REPLICATE)?;
+        Ok(mean)
+    };
+    let (a, b) = (|i: usize| f32::from(first[i]), |i: usize| f32::from(second[i]));
+    let means = [
+        plane(&a)?,
+        plane(&b)?,
+        plane(&|i| a(i) * a(i))?,
+        plane(&|i| b(i) * b(i))?,
+        plane(&|i| a(i) * b(i))?,
+    ];
+    let [ma, mb, maa, mbb, mab] = [0, 1, 2, 3, 4].map(|i: usize| means[i].data_typed::<f32>());
+    let (ma, mb, maa, mbb, mab) = (ma?, mb?, maa?, mbb?, mab?);
+    let together = |i: usize| {
+        let (va, vb) = (maa[i] - ma[i] * ma[i], mbb[i] - mb[i] * mb[i]);
+        let covariance = mab[i] - ma[i] * mb[i];
+        // Variances below two grey levels are noise.
+        if va < 4.0 && vb < 4.0 {
+            Texture::Flat
+        } else if va >= 4.0 && vb >= 4.0 && covariance > 0.5 * (va * vb).sqrt() {
+            Texture::Same
+        } else {
+            Texture::Other
+        }
+    };
+    Ok((0..first.len()).map(together).collect())
 }
 
 /// What one run of frames adds.
@@ -172,4 +261,27 @@ fn warped(key: &Keyframe, motion: &BackgroundMotion) -> opencv::Result<(Mat, Mat
     let nearest = imgproc::INTER_NEAREST | imgproc::WARP_INVERSE_MAP;
     imgproc::warp_perspective(&key.hidden, &mut hidden, &matrix, size, nearest, border, Scalar::all(255.0))?;
     Ok((lab, hidden))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shadow_scales_lightness_and_chroma_and_skin_does_not_pass_for_it() {
+        assert_eq!(is_shaded([120, 131, 140], [180, 133, 146]), Shade::Surely);
+        assert_eq!(is_shaded([150, 148, 148], [200, 130, 135]), Shade::No);
+        assert_eq!(is_shaded([190, 133, 146], [180, 133, 146]), Shade::No);
+    }
+
+    #[test]
+    fn texture_that_shows_through_is_told_from_texture_that_does_not() {
+        let stripes = |period: usize, scale: u8| -> Vec<u8> {
+            (0..32 * 32).map(|i| if (i % 32) / period % 2 == 0 { 100 / scale } else { 200 / scale }).collect()
+        };
+        let at_centre = |a: &[u8], b: &[u8]| same_texture(a, b, (32, 32)).unwrap()[16 * 32 + 16];
+        assert_eq!(at_centre(&stripes(2, 1), &stripes(2, 2)), Texture::Same);
+        assert_eq!(at_centre(&stripes(2, 1), &vec![90; 32 * 32]), Texture::Other);
+        assert_eq!(at_centre(&vec![120; 32 * 32], &vec![90; 32 * 32]), Texture::Flat);
+    }
 }
