@@ -34,7 +34,7 @@ fn whole_masks(own: &[Option<RleMask>]) -> Vec<bool> {
         let mut around: Vec<u64> = areas[near].iter().copied().filter(|area| *area > 0).collect();
         around.sort_unstable();
         let median = around.get(around.len() / 2).copied().unwrap_or(0);
-        own[index].is_some() && 10 * areas[index] >= 7 * median
+        own[index].is_some() && 100 * areas[index] >= 85 * median
     };
     (0..own.len()).map(is_whole).collect()
 }
