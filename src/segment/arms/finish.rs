@@ -8,7 +8,9 @@ use opencv::{
 };
 use rayon::prelude::*;
 
-use super::{ArmTrack, Clip, WorkMasks, decode, dropout::side_part, encode, runs, work_frame::WorkFrame};
+use super::{
+    ArmTrack, Clip, WorkMasks, decode, dropout::side_part, encode, gaps, runs, work_frame::WorkFrame,
+};
 use crate::{
     clip::FrameIndex,
     geometry::{PerSide, Side},
@@ -25,6 +27,7 @@ struct Finished {
 
 pub(super) fn finished(clip: &Clip<'_>, masks: Vec<WorkMasks>) -> Result<ArmTrack, SegmentError> {
     let unions = masks.iter().map(|masks| union(clip, masks)).collect::<Result<Vec<_>, SegmentError>>()?;
+    let unions = gaps::closed(&unions)?;
     let areas: Vec<u64> = unions.iter().map(RleMask::area).collect();
     let done = AtomicUsize::new(clip.count());
     let finished = runs(clip.count())

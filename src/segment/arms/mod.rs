@@ -6,6 +6,7 @@ mod colour;
 mod cut;
 mod dropout;
 mod finish;
+mod gaps;
 mod learn;
 mod params;
 mod plate;
