@@ -28,6 +28,8 @@ pub mod export;
 #[cfg(feature = "engine")]
 pub mod inpaint;
 #[cfg(feature = "engine")]
+pub mod mujoco;
+#[cfg(feature = "engine")]
 pub mod pipeline;
 #[cfg(feature = "engine")]
 pub mod render;

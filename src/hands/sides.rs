@@ -11,31 +11,72 @@ const SHORT: usize = 4;
 const SURE: f64 = 0.85;
 /// Share of a tracklet that may collide with another one of the same side.
 const TOLERATED_OVERLAP: f64 = 0.25;
-/// Evidence a detection, beyond which a tracklet is not moved to the other side.
+/// Evidence a detection, beyond which a much smaller hand is not moved to the other side.
 const STUBBORN: f64 = 0.6;
+/// Share of the other hand's size and score above which two hands of one label are taken for a pair.
+const PAIR: f64 = 0.4;
+
+/// A tracklet with its side.
+struct Placed {
+    side: Side,
+    evidence: f64,
+    tracklet: Tracklet,
+}
 
 /// Gives every tracklet to a side, or to nobody, longest and surest first, so that no frame has two
 /// hands of one side.
+///
+/// Two hands seen together are a left and a right one. Where the estimator calls both the same, the one
+/// with less evidence for it takes the other side, even if it was placed first.
 pub(super) fn assign(tracklets: Vec<Tracklet>, frames: usize, size: Size) -> PerSide<SideDetections> {
     let mut ranked: Vec<(f64, Tracklet)> =
         tracklets.into_iter().filter(is_credible).map(|t| (weight(&t), t)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.entries[0].0.cmp(&b.1.entries[0].0)));
-    let mut sides = PerSide::from_fn(|_| vec![None; frames]);
+    let mut placed: Vec<Placed> = Vec::new();
     for (_, tracklet) in ranked {
         let evidence = evidence_for_right(&tracklet, size);
         let preferred = if evidence >= 0.0 { Side::Right } else { Side::Left };
-        let overlap = |side: Side| {
-            let taken: &SideDetections = &sides[side];
-            let hits = tracklet.entries.iter().filter(|(f, _)| taken[*f].is_some()).count();
-            hits as f64 / tracklet.entries.len() as f64
-        };
-        let side = if overlap(preferred) <= TOLERATED_OVERLAP {
-            preferred
-        } else if evidence.abs() < STUBBORN && overlap(preferred.other()) <= TOLERATED_OVERLAP {
-            preferred.other()
-        } else {
-            continue;
-        };
+        if is_free(&placed, &tracklet, preferred, None) {
+            placed.push(Placed { side: preferred, evidence, tracklet });
+        } else if is_free(&placed, &tracklet, preferred.other(), None) {
+            let rival = rival(&placed, &tracklet, preferred);
+            let pair =
+                rival.is_some_and(|at| mean_weight(&tracklet) > PAIR * mean_weight(&placed[at].tracklet));
+            let yields = rival.filter(|&at| {
+                let weaker = placed[at].evidence.abs() < evidence.abs();
+                pair && weaker && is_free(&placed, &placed[at].tracklet, preferred.other(), Some(at))
+            });
+            if let Some(at) = yields {
+                placed[at].side = preferred.other();
+                placed.push(Placed { side: preferred, evidence, tracklet });
+            } else if pair || evidence.abs() < STUBBORN {
+                placed.push(Placed { side: preferred.other(), evidence, tracklet });
+            }
+        }
+    }
+    filled(placed, frames)
+}
+
+/// Whether `side` has room for `tracklet`, not counting the one placed at `except`.
+fn is_free(placed: &[Placed], tracklet: &Tracklet, side: Side, except: Option<usize>) -> bool {
+    let others = placed.iter().enumerate().filter(|(at, p)| p.side == side && Some(*at) != except);
+    let hits: usize = others.map(|(_, p)| shared_frames(&p.tracklet, tracklet)).sum();
+    hits as f64 <= TOLERATED_OVERLAP * tracklet.entries.len() as f64
+}
+
+/// The tracklet on `side` that shares most frames with `tracklet`.
+fn rival(placed: &[Placed], tracklet: &Tracklet, side: Side) -> Option<usize> {
+    let rivals = placed.iter().enumerate().filter(|(_, p)| p.side == side);
+    rivals.max_by_key(|(_, p)| shared_frames(&p.tracklet, tracklet)).map(|(at, _)| at)
+}
+
+fn shared_frames(a: &Tracklet, b: &Tracklet) -> usize {
+    b.entries.iter().filter(|(frame, _)| a.entries.binary_search_by_key(frame, |(f, _)| *f).is_ok()).count()
+}
+
+fn filled(placed: Vec<Placed>, frames: usize) -> PerSide<SideDetections> {
+    let mut sides = PerSide::from_fn(|_| vec![None; frames]);
+    for Placed { side, tracklet, .. } in placed {
         for (frame, detection) in tracklet.entries {
             let slot: &mut Option<Detection> = &mut sides[side][frame];
             if slot.is_none() {
@@ -44,6 +85,10 @@ pub(super) fn assign(tracklets: Vec<Tracklet>, frames: usize, size: Size) -> Per
         }
     }
     sides
+}
+
+fn mean_weight(tracklet: &Tracklet) -> f64 {
+    weight(tracklet) / tracklet.entries.len() as f64
 }
 
 fn mean_score(tracklet: &Tracklet) -> f64 {
@@ -98,6 +143,17 @@ mod tests {
         let sides = assign(tracklets, 30, Size::new(640, 480));
         assert!(sides.right.iter().flatten().all(|d| d.keypoints[0].x > 400.0));
         assert!(sides.left.iter().flatten().count() == 30);
+    }
+
+    #[test]
+    fn of_two_hands_with_one_sure_label_the_less_likely_one_changes_sides() {
+        // Both are called left; the one on the right of the picture was seen longer and placed first.
+        let tracklets =
+            vec![tracklet(0..40, 450.0, Side::Left, 0.95), tracklet(10..40, 100.0, Side::Left, 0.95)];
+        let sides = assign(tracklets, 40, Size::new(640, 480));
+        assert!(sides.right.iter().flatten().all(|d| d.keypoints[0].x > 400.0));
+        assert_eq!(sides.right.iter().flatten().count(), 40);
+        assert_eq!(sides.left.iter().flatten().count(), 30);
     }
 
     #[test]

@@ -430,7 +430,10 @@ mod tests {
             .iter()
             .map(|p| format!("<geom type='sphere' size='{radius}' pos='{} {} {}'/>", p.x, p.y, p.z))
             .collect();
-        MjModel::from_xml_string(&format!("<mujoco><worldbody>{geoms}</worldbody></mujoco>")).unwrap()
+        crate::mujoco::compile_alone(|| {
+            MjModel::from_xml_string(&format!("<mujoco><worldbody>{geoms}</worldbody></mujoco>"))
+        })
+        .unwrap()
     }
 
     fn renderer(model: &MjModel, samples: u32) -> Option<Offscreen> {

@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use mujoco_rs::{prelude::*, wrappers::mj_auxiliary::MjVfs};
 
-use crate::geometry::{PerSide, Pose, Position, Side, Torso};
+use crate::{
+    geometry::{PerSide, Pose, Position, Side, Torso},
+    mujoco::compile_alone,
+};
 
 use super::{
     ACTUATED_DOF, JointAngles, JointLimits, RobotError, SideChain, SidePosture,
@@ -165,5 +168,6 @@ fn compile(mjcf: &str, assets: &[RobotAsset]) -> Result<MjModel, RobotError> {
         }
         add(&asset.name, &asset.bytes)?;
     }
-    MjModel::from_xml_vfs(DOCUMENT, &files).map_err(|error| RobotError::Compile(error.to_string()))
+    compile_alone(|| MjModel::from_xml_vfs(DOCUMENT, &files))
+        .map_err(|error| RobotError::Compile(error.to_string()))
 }

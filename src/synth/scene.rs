@@ -15,6 +15,7 @@ use super::{
 };
 use crate::{
     geometry::{PerSide, Side, Size},
+    mujoco::compile_alone,
     render::{CameraView, DeviceChoice, Lighting, Offscreen, RenderOptions, RenderedView},
 };
 
@@ -380,7 +381,8 @@ fn build(meshes: &[Mesh], light: &str) -> Result<MjModel, SynthError> {
          <quality shadowsize='2048'/><map shadowclip='1.0' shadowscale='0.7' znear='0.3' zfar='2.6'/></visual>\
          <asset>{assets}</asset><worldbody>{light}{world}</worldbody></mujoco>"
     );
-    let mut model = MjModel::from_xml_string(&xml).map_err(|error| SynthError::Scene(error.to_string()))?;
+    let mut model = compile_alone(|| MjModel::from_xml_string(&xml))
+        .map_err(|error| SynthError::Scene(error.to_string()))?;
     for (index, mesh) in meshes.iter().enumerate() {
         let start = usize::try_from(model.tex_adr()[index]).unwrap_or(0);
         model.tex_data_mut()[start..start + mesh.texels.len()].copy_from_slice(&mesh.texels);

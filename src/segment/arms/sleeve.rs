@@ -74,11 +74,21 @@ pub(super) fn beyond_skin(hand: &HandShape, skin: &Mat) -> opencv::Result<Option
         }
     }
     let from = path[path.len() - 1];
+    let direction = settled_direction(&path).unwrap_or(direction);
     let reach = width + height;
     let to = Pixel::new(from.x + reach * direction.x, from.y + reach * direction.y);
     widths.sort_unstable_by(f64::total_cmp);
     let width = widths[widths.len() / 2].clamp(0.6 * hand.palm_width, 1.3 * hand.palm_width);
     Ok(Some(Sleeve { from, to, width }))
+}
+
+/// The way the forearm runs without its last sections: where the skin ends raggedly, a section that lies
+/// askew sees one side alone, and its middle points off the arm.
+fn settled_direction(path: &[Pixel]) -> Option<Pixel> {
+    let end = path.len().checked_sub(3)?;
+    let (near, far) = (path[end.checked_sub(6)?], path[end]);
+    let length = far.distance(near);
+    (length > 0.0).then(|| Pixel::new((far.x - near.x) / length, (far.y - near.y) / length))
 }
 
 /// Half way from `direction` to `along`, both unit vectors.
