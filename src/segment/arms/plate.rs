@@ -277,7 +277,9 @@ mod tests {
     #[test]
     fn texture_that_shows_through_is_told_from_texture_that_does_not() {
         let stripes = |period: usize, scale: u8| -> Vec<u8> {
-            (0..32 * 32).map(|i| if (i % 32) / period % 2 == 0 { 100 / scale } else { 200 / scale }).collect()
+            (0..32 * 32)
+                .map(|i| if ((i % 32) / period).is_multiple_of(2) { 100 / scale } else { 200 / scale })
+                .collect()
         };
         let at_centre = |a: &[u8], b: &[u8]| same_texture(a, b, (32, 32)).unwrap()[16 * 32 + 16];
         assert_eq!(at_centre(&stripes(2, 1), &stripes(2, 2)), Texture::Same);
