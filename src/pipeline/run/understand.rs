@@ -17,7 +17,7 @@ use crate::{
     landmarks::{HandLandmarks, LandmarkTrack},
     pipeline::{ClipFailure, ClipJob, ExitCode, Key, Stage},
     segment::{
-        MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask,
+        MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask, SegmentError,
         arms::{self, ArmParams, ArmTrack},
         object::{self, ObjectParams, ObjectPrompt, PromptKind},
     },
@@ -181,13 +181,23 @@ pub(super) fn object(
 ) -> Result<(MaskTrack, Key), ClipFailure> {
     let human =
         human_masks(&context.document, &session.masks(), MaskLayer::Object, clip.size(), clip.frame_count())?;
+    let guessed = choice.is_some_and(|choice| matches!(choice.author, Author::Machine(_)));
     let prompts = prompts(choice, human);
     let params = ObjectParams::default();
     context.cached_stage(Stage::Object, &[arms.1], &(&params, &prompts), ExitCode::BadInput, |watch| {
         if prompts.is_empty() {
             return Ok(nothing(clip));
         }
-        object::track_object(clip, &prompts, &arms.0.union, landmarks, &params, watch)
+        match object::track_object(clip, &prompts, &arms.0.union, landmarks, &params, watch) {
+            // A guess of our own that leads nowhere is no fault of the input: the clip goes on without an object.
+            Err(SegmentError::Prompt { reason, .. }) if guessed => {
+                context
+                    .listener
+                    .note(&format!("the proposed object cannot be told from its surroundings: {reason}"));
+                Ok(nothing(clip))
+            }
+            other => other,
+        }
     })
 }
 
