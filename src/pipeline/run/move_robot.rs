@@ -69,7 +69,7 @@ pub(super) fn retarget(
 ) -> Result<(RobotModel, RobotMotion), ClipFailure> {
     let robot = load_robot(context.installation).map_err(|failure| failure.in_stage(Stage::Retarget))?;
     let params = params_of(&context.document);
-    let inputs = (&params, robot_identity(context.installation)?);
+    let inputs = (&params, identity_of(&robot));
     let (motion, _) =
         context.cached_stage(Stage::Retarget, &[hands_key], &inputs, ExitCode::Internal, |watch| {
             retarget::retarget(hands, &robot, &params, watch)
@@ -109,5 +109,9 @@ pub(super) fn load_robot(installation: &Installation) -> Result<RobotModel, Clip
 
 /// What tells one robot from another.
 pub(super) fn robot_identity(installation: &Installation) -> Result<String, ClipFailure> {
-    Ok(blake3::hash(load_robot(installation)?.mjcf().as_bytes()).to_hex().to_string())
+    Ok(identity_of(&load_robot(installation)?))
+}
+
+fn identity_of(robot: &RobotModel) -> String {
+    blake3::hash(robot.mjcf().as_bytes()).to_hex().to_string()
 }
