@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use mujoco_rs::wrappers::{mj_data::MjData, mj_model::MjModel};
+use mujoco_rs::wrappers::{mj_auxiliary::MjVfs, mj_data::MjData, mj_model::MjModel};
 use nalgebra::{Isometry3, Vector3};
 use rand::Rng as _;
 use rand_pcg::Pcg64Mcg;
@@ -345,8 +345,10 @@ fn light(rng: &mut Pcg64Mcg) -> String {
 
 /// Compiles placeholders of the right capacity, then fills in triangles and texels.
 fn build(meshes: &[Mesh], light: &str) -> Result<MjModel, SynthError> {
+    const DOCUMENT: &str = "scene.xml";
     let mut assets = String::new();
     let mut world = String::new();
+    let mut files = MjVfs::new();
     for (index, mesh) in meshes.iter().enumerate() {
         let triangles = mesh.capacity.max(mesh.soup.positions.len() / 3);
         let size = mesh.texture_size;
@@ -356,7 +358,11 @@ fn build(meshes: &[Mesh], light: &str) -> Result<MjModel, SynthError> {
              <material name='m{index}' texture='t{index}' specular='{0}' shininess='0.35' reflectance='0'/>",
             mesh.shine
         );
-        placeholder(&mut assets, &mesh.name, triangles);
+        let file = format!("{}.msh", mesh.name);
+        files
+            .add_from_buffer(&file, &placeholder(triangles))
+            .map_err(|error| SynthError::Scene(error.to_string()))?;
+        let _ = write!(assets, "<mesh name='{}' inertia='shell' file='{file}'/>", mesh.name);
         let group = match mesh.part {
             Part::Background => 0,
             Part::Object => 1,
@@ -381,8 +387,9 @@ fn build(meshes: &[Mesh], light: &str) -> Result<MjModel, SynthError> {
          <quality shadowsize='2048'/><map shadowclip='1.0' shadowscale='0.7' znear='0.3' zfar='2.6'/></visual>\
          <asset>{assets}</asset><worldbody>{light}{world}</worldbody></mujoco>"
     );
-    let mut model = compile_alone(|| MjModel::from_xml_string(&xml))
-        .map_err(|error| SynthError::Scene(error.to_string()))?;
+    files.add_from_buffer(DOCUMENT, xml.as_bytes()).map_err(|error| SynthError::Scene(error.to_string()))?;
+    let mut model =
+        compile_alone(|| MjModel::from_xml_vfs(DOCUMENT, &files)).map_err(|error| SynthError::Scene(error.to_string()))?;
     for (index, mesh) in meshes.iter().enumerate() {
         let start = usize::try_from(model.tex_adr()[index]).unwrap_or(0);
         model.tex_data_mut()[start..start + mesh.texels.len()].copy_from_slice(&mesh.texels);
@@ -410,33 +417,33 @@ pub fn transform(soup: &mut TriangleSoup, pose: &Isometry3<f64>) {
     }
 }
 
-/// Distinct small triangles on a ball, so that the compiler keeps every one of them.
-fn placeholder(assets: &mut String, name: &str, triangles: usize) {
-    let (mut vertices, mut normals, mut texels, mut faces) =
-        (String::new(), String::new(), String::new(), String::new());
+/// Distinct small triangles on a ball, so that the compiler keeps every one of them, as a MuJoCo
+/// MSH file: binary, since its XML reader is slow at, and now and then trips over, long number lists.
+fn placeholder(triangles: usize) -> Vec<u8> {
+    let corners = 3 * triangles;
+    // No capacity comes near 2^31 triangles.
+    let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes();
+    let mut file = [corners, corners, corners, triangles].map(count).concat();
     for triangle in 0..triangles {
         let angle = triangle as f64 * 2.399_963;
         let height = 1.0 - 2.0 * (triangle as f64 + 0.5) / triangles as f64;
         let radius = (1.0 - height * height).sqrt();
         let centre = [radius * angle.cos() + 0.3, radius * angle.sin() + 0.2, height + 0.1];
         for corner in 0..3 {
-            let offset = |axis: usize| if axis == corner { 0.02 } else { 0.0 };
-            let _ = write!(
-                vertices,
-                "{:.5} {:.5} {:.5} ",
-                centre[0] + offset(0),
-                centre[1] + offset(1),
-                centre[2] + offset(2)
-            );
-            normals.push_str("0 0 1 ");
-            texels.push_str("0 0 ");
+            for (axis, at) in centre.iter().enumerate() {
+                let offset = if axis == corner { 0.02 } else { 0.0 };
+                file.extend(((at + offset) as f32).to_le_bytes());
+            }
         }
-        let _ = write!(faces, "{} {} {} ", 3 * triangle, 3 * triangle + 1, 3 * triangle + 2);
     }
-    let _ = write!(
-        assets,
-        "<mesh name='{name}' inertia='shell' vertex='{vertices}' normal='{normals}' texcoord='{texels}' face='{faces}'/>"
-    );
+    for _ in 0..corners {
+        file.extend([0.0_f32, 0.0, 1.0].map(f32::to_le_bytes).as_flattened());
+    }
+    file.resize(file.len() + corners * 2 * size_of::<f32>(), 0);
+    for corner in 0..corners {
+        file.extend(count(corner));
+    }
+    file
 }
 
 /// Writes triangles into mesh `index`; what it has room for beyond them shrinks to a point.
