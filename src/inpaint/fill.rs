@@ -9,6 +9,7 @@ use super::{
     InpaintParams,
     plate::{SYNTHESISED, UNKNOWN},
 };
+use crate::vision::fill_smoothly;
 
 /// Makes up the pixels inside `needed` whose origin is unknown.
 pub(super) fn fill_unseen(
@@ -30,23 +31,19 @@ pub(super) fn fill_unseen(
     if bounds.width == 0 || bounds.height == 0 {
         return Ok(());
     }
-    let around = grown_rect(bounds, 48, picture.cols(), picture.rows());
-    let part = Mat::roi(picture, around)?.try_clone()?;
-    // Everything unknown in the part is filled, so that black margins do not bleed in.
-    let hole = Mat::roi(&unknown, around)?.try_clone()?;
-    let mut filled = Mat::default();
-    opencv::photo::inpaint(&part, &hole, &mut filled, 5.0, opencv::photo::INPAINT_TELEA)?;
-    let columns = picture.cols() as usize;
+    let around = grown_rect(bounds, 64, picture.cols(), picture.rows());
+    let (columns, width) = (picture.cols() as usize, around.width as usize);
     let wanted = wanted.data_typed::<u8>()?;
-    let from = filled.data_typed::<Vec3b>()?;
     let (to, kinds) = (picture.data_typed_mut::<Vec3b>()?, origin.data_typed_mut::<u8>()?);
-    for y in 0..around.height as usize {
-        for x in 0..around.width as usize {
-            let at = (around.y as usize + y) * columns + around.x as usize + x;
-            if wanted[at] != 0 {
-                to[at] = from[y * around.width as usize + x];
-                kinds[at] = SYNTHESISED;
-            }
+    let place = |i: usize| (around.y as usize + i / width) * columns + around.x as usize + i % width;
+    let count = width * around.height as usize;
+    let weights: Vec<f32> = (0..count).map(|i| if kinds[place(i)] == UNKNOWN { 0.0 } else { 1.0 }).collect();
+    let mut colours: Vec<[f32; 3]> = (0..count).map(|i| to[place(i)].0.map(f32::from)).collect();
+    fill_smoothly(&mut colours, &weights, width, around.height as usize);
+    for (i, colour) in colours.iter().enumerate() {
+        if wanted[place(i)] != 0 {
+            to[place(i)] = Vec3b::from(colour.map(|value| value.round().clamp(0.0, 255.0) as u8));
+            kinds[place(i)] = SYNTHESISED;
         }
     }
     Ok(())

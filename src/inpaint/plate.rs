@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 use opencv::{
     core::{
-        BORDER_REPLICATE, CV_8UC3, CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual,
+        BORDER_REPLICATE, CV_8UC1, CV_8UC3, CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual,
         MatTraitManual, Point, Rect, Scalar, Size as CvSize, Vec3b,
     },
     imgproc,
@@ -14,6 +14,7 @@ use super::{
     InpaintError, InpaintParams, fill,
     gather::{Canvas, choose_sources, needed_cells},
     scene::{Loaded, Scene},
+    shadow::{LitGround, far_ground, lift},
     survey::{CELL, Survey},
 };
 use crate::{
@@ -80,9 +81,11 @@ pub(super) fn build(
         let own = Drawn {
             picture: Mat::roi(&plate.picture, region)?.try_clone()?,
             valid: Mat::roi(&plate.origin, region)?.try_clone()?,
+            far: Mat::default(),
         };
         samples.add(&own)?;
         let still = plate_still(&plate);
+        let mut far = far_ground(&plate.view)?;
         for batch in sources.chunks(4) {
             let drawn: Vec<Result<Option<Drawn>, InpaintError>> = batch
                 .par_iter()
@@ -96,13 +99,14 @@ pub(super) fn build(
             for drawn in drawn {
                 if let Some(drawn) = drawn? {
                     samples.add(&drawn)?;
+                    opencv::core::bitwise_or_def(&far.clone(), &drawn.far, &mut far)?;
                 }
             }
         }
-        let shadow = samples.settle(&mut plate)?;
+        let (shadow, both) = samples.settle(&mut plate)?;
         if let Some(factor) = shadow {
             plate.view = view_of(&plate)?;
-            super::shadow::lift(&mut plate, factor)?;
+            lift(&mut plate, &LitGround { far, both }, factor)?;
         }
         inherit(&mut plate, previous, survey, &samples, region, params)?;
         fill::fill_unseen(&mut plate.picture, &mut plate.origin, &samples.needed, params)?;
@@ -159,6 +163,8 @@ struct Drawn {
     picture: Mat,
     /// CV_8UC1, 255 where it shows the background.
     valid: Mat,
+    /// CV_8UC1 on the plate's work grid, 255 where the background was seen far from any hand.
+    far: Mat,
 }
 
 fn draw_source(
@@ -191,7 +197,8 @@ fn draw_source(
     let mut changed = Mat::default();
     opencv::core::compare(&change, &Scalar::all(0.5), &mut changed, opencv::core::CMP_GT)?;
     valid.set_to(&Scalar::all(0.0), &changed)?;
-    Ok(Some(Drawn { picture, valid }))
+    let far = warp.draw_work_mask(&far_ground(&source.view)?, source.view.scale)?;
+    Ok(Some(Drawn { picture, valid, far }))
 }
 
 /// `picture`, the part `region` of a picture of size `full`, plus a coarse map of offsets.
@@ -272,8 +279,9 @@ impl Samples {
 
     /// Writes robust colours onto the plate. Returns by which factor lit ground is brighter than shadowed
     /// ground, where enough pixels were seen both ways.
-    fn settle(&self, plate: &mut Plate) -> opencv::Result<Option<[f32; 3]>> {
-        let Some(region) = self.region else { return Ok(None) };
+    fn settle(&self, plate: &mut Plate) -> opencv::Result<(Option<[f32; 3]>, Mat)> {
+        let mut both = Mat::default();
+        let Some(region) = self.region else { return Ok((None, both)) };
         let columns = plate.picture.cols() as usize;
         let settled: Vec<Settled> = (0..self.pixels.len())
             .into_par_iter()
@@ -285,6 +293,9 @@ impl Samples {
         let lit = self.agreed(region, &settled, &|settled| settled.lit.is_some())?;
         let shadowed = self.agreed(region, &settled, &|settled| settled.shadow.is_some())?;
         let mut ratios: [Vec<f32>; 3] = std::array::from_fn(|_| Vec::new());
+        let zero = Scalar::all(0.0);
+        let mut seen_both = Mat::new_size_with_default(plate.picture.size()?, CV_8UC1, zero)?;
+        let flags = seen_both.data_typed_mut::<u8>()?;
         let picture = plate.picture.data_typed_mut::<Vec3b>()?;
         let origin = plate.origin.data_typed_mut::<u8>()?;
         for (i, pixel) in self.pixels.iter().enumerate() {
@@ -304,8 +315,13 @@ impl Samples {
             }
             picture[at] = Vec3b::from(colour);
             origin[at] = SEEN;
+            if settled[i].lit.is_some() || settled[i].shadow.is_some() {
+                flags[at] = 255;
+            }
         }
-        Ok(common_factor(ratios, (self.pixels.len() / 200).max(100)))
+        let work = plate.view.scale.shrink(&seen_both)?;
+        work.copy_to(&mut both)?;
+        Ok((common_factor(ratios, (self.pixels.len() / 200).max(100)), both))
     }
 
     /// Share of pixels around each pixel of the region for which `holds`: a shadow is never one pixel.

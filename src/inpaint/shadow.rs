@@ -1,45 +1,84 @@
 //! Shadows that never leave: an arm at rest darkens the same place on every frame.
 //!
-//! Where a shadow passes, samples with and without it tell how much it darkens. What lies beside
-//! unseen ground, has the hue of its surroundings and is darker by just that factor is in the same
-//! kind of shadow, and is brightened by the factor.
+//! Where a shadow passes, samples with and without it tell how much it darkens. Ground that was only ever
+//! seen near a hand may lie in such a shadow all the time. It does where it is darker, by just that factor,
+//! than neighbouring ground of its hue that was seen without shadow; then it is brightened by the factor.
+//! Patterns of the ground itself do not count: they go on across that border.
 
 use opencv::{
-    core::{CV_8UC1, CV_32S, Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Vec3b},
+    core::{
+        BORDER_REPLICATE, CV_8UC1, CV_32F, CV_32FC1, CV_32FC3, CV_32S, Mat, MatTraitConst,
+        MatTraitConstManual, MatTraitManual, Point, Scalar, Size as CvSize, Vec3b, Vec3f,
+    },
     imgproc,
 };
 
 use super::plate::{Plate, SEEN, UNKNOWN};
-use crate::vision::{EdgeWeights, Plane, tv_cut};
+use crate::vision::{EdgeWeights, Plane, View, tv_cut};
 
-/// Side of a cell in work pixels.
-const CELL: usize = 8;
-/// Cells around a cell that tell how bright lit ground of its hue is.
-const REACH: usize = 8;
+/// Side, as a share of the width, of the neighbourhood in which ground is compared.
+const NEIGHBOURHOOD: f64 = 0.06;
+/// How far from hand and object ground must be seen, as a share of the width, to be free of their shadows.
+const FAR: f64 = 0.15;
+/// Side, in work pixels, of the spot around a pixel that must be dark itself.
+const SPOT: i32 = 5;
 /// Least darkening worth looking for.
 const LEAST: f32 = 1.15;
 
+/// Where ground is free of shadow, at work size.
+#[derive(Debug)]
+pub(super) struct LitGround {
+    /// CV_8UC1: 255 where some frame saw it far from any hand.
+    pub far: Mat,
+    /// CV_8UC1: share, to 255, of pixels seen with a shadow and without.
+    pub both: Mat,
+}
+
+/// CV_8UC1: 255 where `view` shows ground far from everything that may cast a moving shadow.
+pub(super) fn far_ground(view: &View) -> opencv::Result<Mat> {
+    let (mut distance, mut far, mut out) = (Mat::default(), Mat::default(), Mat::default());
+    if opencv::core::count_non_zero(&view.valid)? as usize == view.valid.total() {
+        return view.valid.try_clone();
+    }
+    imgproc::distance_transform(&view.valid, &mut distance, imgproc::DIST_L2, imgproc::DIST_MASK_3, CV_32F)?;
+    let limit = FAR * f64::from(view.valid.cols());
+    imgproc::threshold(&distance, &mut far, limit, 255.0, imgproc::THRESH_BINARY)?;
+    far.convert_to(&mut out, CV_8UC1, 1.0, 0.0)?;
+    Ok(out)
+}
+
 /// Brightens lasting shadows on `plate` by `factor` (lit colour over shadowed colour, for each channel).
 /// Their edges, half in the light, become unknown.
-pub(super) fn lift(plate: &mut Plate, factor: [f32; 3]) -> opencv::Result<()> {
+pub(super) fn lift(plate: &mut Plate, ground: &LitGround, factor: [f32; 3]) -> opencv::Result<()> {
     let mean = factor.iter().sum::<f32>() / 3.0;
     if mean < LEAST {
         return Ok(());
     }
     let (columns, rows) = (plate.view.colour.cols() as usize, plate.view.colour.rows() as usize);
     let colours: Vec<[u8; 3]> = plate.view.colour.data_typed::<Vec3b>()?.iter().map(|c| c.0).collect();
-    let valid: Vec<bool> = plate.view.valid.data_typed::<u8>()?.iter().map(|v| *v != 0).collect();
-    let reference = lit_luma(&colours, &valid, columns, rows);
+    let valid = plate.view.valid.data_typed::<u8>()?;
+    let (far, both) = (ground.far.data_typed::<u8>()?, ground.both.data_typed::<u8>()?);
+    let lit: Vec<bool> =
+        (0..colours.len()).map(|i| valid[i] != 0 && (far[i] != 0 || both[i] > 100)).collect();
+    let doubtful: Vec<bool> = (0..colours.len()).map(|i| valid[i] != 0 && !lit[i] && both[i] < 30).collect();
+    let size = (NEIGHBOURHOOD * columns as f64).round() as i32 | 1;
+    let (lit_mean, lit_share) = mean_around(&plate.view.colour, &lit, size)?;
+    let (own_mean, own_share) = mean_around(&plate.view.colour, &doubtful, size)?;
+    let (spot, _) = mean_around(&plate.view.colour, &doubtful, SPOT)?;
     let log = mean.ln();
-    let mut depth = vec![0.0_f32; colours.len()];
+    let mut depth = vec![f32::NAN; colours.len()];
     let mut cost = vec![0.0_f32; colours.len()];
-    for (i, colour) in colours.iter().enumerate().filter(|(i, _)| valid[*i]) {
-        let cell = (i / columns / CELL) * columns.div_ceil(CELL) + i % columns / CELL;
-        if reference[cell] > 0.0 {
-            depth[i] = (reference[cell] / luma(*colour).max(1.0)).ln() / log;
-            cost[i] = (0.5 - depth[i].min(1.5)).clamp(-0.5, 0.5);
+    for i in (0..colours.len()).filter(|i| doubtful[*i]) {
+        cost[i] = PRIOR;
+        if lit_share[i] < 0.08 || own_share[i] < 0.08 {
+            continue;
+        }
+        if same_hue(lit_mean[i], own_mean[i]) {
+            let darker = |own: [f32; 3]| (luma(lit_mean[i]) / luma(own).max(1.0)).ln() / log;
+            depth[i] = darker(own_mean[i]);
+            cost[i] = (0.5 - 0.5 * (depth[i] + darker(spot[i]).clamp(-1.0, 1.5))).clamp(-0.5, 0.5);
         } else {
-            cost[i] = 0.5;
+            cost[i] = 0.25;
         }
     }
     let edges = EdgeWeights::from_colours(&colours, columns, rows, 1.0);
@@ -47,46 +86,41 @@ pub(super) fn lift(plate: &mut Plate, factor: [f32; 3]) -> opencv::Result<()> {
     for (u, cost) in inside.data.iter_mut().zip(&cost) {
         *u = if *cost < 0.0 { 1.0 } else { 0.0 };
     }
-    tv_cut(&mut inside, &cost, &edges, 80);
-    let shadow = beside_unseen(&inside, &valid, &depth)?;
+    tv_cut(&mut inside, &cost, &edges, 120);
+    let shadow = as_dark_as_shadow(&inside, &doubtful, &depth)?;
     brighten(plate, &shadow, factor)
 }
 
-fn luma(c: [u8; 3]) -> f32 {
-    0.25 * f32::from(c[0]) + 0.625 * f32::from(c[1]) + 0.125 * f32::from(c[2])
+/// Ground of which nothing is known counts as lit, a little.
+const PRIOR: f32 = 0.01;
+
+fn luma(c: [f32; 3]) -> f32 {
+    0.25 * c[0] + 0.625 * c[1] + 0.125 * c[2]
 }
 
-/// For each cell how bright lit ground of its hue is around it; 0 where nothing is known.
-fn lit_luma(colours: &[[u8; 3]], valid: &[bool], columns: usize, rows: usize) -> Vec<f32> {
-    let (wide, high) = (columns.div_ceil(CELL), rows.div_ceil(CELL));
-    let mut sums = vec![([0.0_f32; 3], 0.0_f32); wide * high];
-    for (i, colour) in colours.iter().enumerate().filter(|(i, _)| valid[*i]) {
-        let (sum, count) = &mut sums[(i / columns / CELL) * wide + i % columns / CELL];
-        for (sum, value) in sum.iter_mut().zip(colour) {
-            *sum += f32::from(*value);
+/// Mean colour of those pixels around each pixel that are `inside`, and their share.
+fn mean_around(picture: &Mat, inside: &[bool], size: i32) -> opencv::Result<(Vec<[f32; 3]>, Vec<f32>)> {
+    let zero = Scalar::all(0.0);
+    let mut share = Mat::new_rows_cols_with_default(picture.rows(), picture.cols(), CV_32FC1, zero)?;
+    let mut colour = Mat::default();
+    picture.convert_to(&mut colour, CV_32FC3, 1.0, 0.0)?;
+    let pairs = share.data_typed_mut::<f32>()?.iter_mut().zip(colour.data_typed_mut::<Vec3f>()?);
+    for ((share, colour), inside) in pairs.zip(inside) {
+        if *inside {
+            *share = 1.0;
+        } else {
+            *colour = Vec3f::default();
         }
-        *count += 1.0;
     }
-    let means: Vec<Option<[f32; 3]>> = sums
-        .iter()
-        .map(|(sum, count)| (*count >= (CELL * CELL / 4) as f32).then(|| sum.map(|sum| sum / count)))
-        .collect();
-    (0..wide * high)
-        .map(|cell| {
-            let Some(own) = means[cell] else { return 0.0 };
-            let (x, y) = (cell % wide, cell / wide);
-            let mut alike = Vec::new();
-            for v in y.saturating_sub(REACH)..(y + REACH + 1).min(high) {
-                for u in x.saturating_sub(REACH)..(x + REACH + 1).min(wide) {
-                    if let Some(other) = means[v * wide + u].filter(|other| same_hue(own, *other)) {
-                        alike.push(0.25 * other[0] + 0.625 * other[1] + 0.125 * other[2]);
-                    }
-                }
-            }
-            alike.sort_by(f32::total_cmp);
-            alike.get(alike.len() * 7 / 10).copied().unwrap_or(0.0)
-        })
-        .collect()
+    let blurred = |picture: &Mat| -> opencv::Result<Mat> {
+        let mut out = Mat::default();
+        imgproc::blur(picture, &mut out, CvSize::new(size, size), Point::new(-1, -1), BORDER_REPLICATE)?;
+        Ok(out)
+    };
+    let (share, colour) = (blurred(&share)?, blurred(&colour)?);
+    let share = share.data_typed::<f32>()?.to_vec();
+    let colour = colour.data_typed::<Vec3f>()?.iter().zip(&share);
+    Ok((colour.map(|(colour, share)| colour.0.map(|value| value / share.max(1e-6))).collect(), share))
 }
 
 /// Whether two colours differ by little but a common factor.
@@ -95,33 +129,33 @@ fn same_hue(a: [f32; 3], b: [f32; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a / total_a - b / total_b).abs() < 0.025)
 }
 
-/// CV_8UC1 at work size: 255 in those connected pieces of `inside` that touch unseen ground and are about
-/// as dark as a shadow is.
-fn beside_unseen(inside: &Plane, valid: &[bool], depth: &[f32]) -> opencv::Result<Mat> {
+/// CV_8UC1 at work size: 255 in those connected pieces of `inside` that are about as
+/// dark as a shadow is.
+fn as_dark_as_shadow(inside: &Plane, doubtful: &[bool], depth: &[f32]) -> opencv::Result<Mat> {
     let (columns, rows) = (inside.width as i32, inside.height as i32);
     let bytes = |of: &dyn Fn(usize) -> bool| -> opencv::Result<Mat> {
-        let data: Vec<u8> = (0..valid.len()).map(|i| if of(i) { 255 } else { 0 }).collect();
+        let data: Vec<u8> = (0..doubtful.len()).map(|i| if of(i) { 255 } else { 0 }).collect();
         Mat::new_rows_cols_with_data(rows, columns, &data)?.try_clone()
     };
-    let pieces = bytes(&|i| valid[i] && inside.data[i] > 0.5)?;
-    let unseen = super::hole::grown(&bytes(&|i| !valid[i])?, 3)?;
-    let unseen = unseen.data_typed::<u8>()?;
+    let pieces = bytes(&|i| doubtful[i] && inside.data[i] > 0.5)?;
     let mut labels = Mat::default();
     let count = imgproc::connected_components(&pieces, &mut labels, 8, CV_32S)? as usize;
     let labels = labels.data_typed::<i32>()?;
     let mut areas = vec![(0_u32, 0_u32, 0.0_f32); count];
-    for (i, label) in labels.iter().enumerate() {
-        let (area, touching, sum) = &mut areas[*label as usize];
+    for (label, depth) in labels.iter().zip(depth) {
+        let (area, known, sum) = &mut areas[*label as usize];
         *area += 1;
-        *touching += u32::from(unseen[i] != 0);
-        *sum += depth[i];
+        if depth.is_finite() {
+            *known += 1;
+            *sum += depth;
+        }
     }
     let keep: Vec<bool> = areas
         .iter()
         .enumerate()
-        .map(|(label, (area, touching, sum))| {
-            let mean = sum / (*area as f32).max(1.0);
-            label > 0 && *area >= 24 && 40 * *touching >= *area && (0.6..1.6).contains(&mean)
+        .map(|(label, (area, known, sum))| {
+            let mean = sum / (*known as f32).max(1.0);
+            label > 0 && *area >= 24 && 20 * known >= *area && (0.6..1.6).contains(&mean)
         })
         .collect();
     bytes(&|i| keep[labels[i] as usize])

@@ -352,25 +352,37 @@ impl Warp {
     /// # Errors
     /// When OpenCV fails.
     pub fn draw_work(&self, source: &View) -> opencv::Result<(Mat, Mat)> {
+        let warp = self.at_work(source.scale);
+        let region = warp.target.whole();
+        let colour = warp.draw(&source.colour, region, imgproc::INTER_LINEAR, None)?;
+        Ok((colour, self.draw_work_mask(&source.valid, source.scale)?))
+    }
+
+    /// 255 on the target's work grid where `mask`, on the work grid of a source of `scale`, surely is.
+    ///
+    /// # Errors
+    /// When OpenCV fails.
+    pub fn draw_work_mask(&self, mask: &Mat, scale: WorkScale) -> opencv::Result<Mat> {
+        let warp = self.at_work(scale);
+        let shown = warp.draw(mask, warp.target.whole(), imgproc::INTER_LINEAR, Some(Scalar::all(0.0)))?;
+        let mut inside = Mat::default();
+        imgproc::threshold(&shown, &mut inside, 250.0, 255.0, imgproc::THRESH_BINARY)?;
+        Ok(inside)
+    }
+
+    /// This warp between the work pictures, which then play the full-size ones.
+    fn at_work(&self, source: WorkScale) -> Self {
         let full = self.target;
         // At work scale the view itself plays the full-size picture.
         let work = WorkScale { full: full.work, work: full.work };
-        let own = WorkScale { full: source.scale.work, work: source.scale.work };
-        let homography = to_work_size(&self.homography, full, source.scale);
+        let homography = to_work_size(&self.homography, full, source);
         let residual = self.residual.as_ref().map(|residual| {
             let (sx, sy) = full.factors();
             let vectors = residual.vectors.iter();
             let vectors = vectors.map(|v| [v[0] * sx as f32, v[1] * sy as f32]).collect();
             Residual { vectors, ..*residual }
         });
-        debug_assert_eq!(own.full, source.scale.work);
-        let warp = Self { target: work, homography, residual };
-        let region = Rect::new(0, 0, work.full.width as i32, work.full.height as i32);
-        let colour = warp.draw(&source.colour, region, imgproc::INTER_LINEAR, None)?;
-        let shown = warp.draw(&source.valid, region, imgproc::INTER_LINEAR, Some(Scalar::all(0.0)))?;
-        let mut valid = Mat::default();
-        imgproc::threshold(&shown, &mut valid, 250.0, 255.0, imgproc::THRESH_BINARY)?;
-        Ok((colour, valid))
+        Self { target: work, homography, residual }
     }
 }
 

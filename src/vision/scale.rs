@@ -3,7 +3,7 @@
 use std::sync::Once;
 
 use opencv::{
-    core::{CV_8UC1, Mat, MatTraitConst, Size as CvSize, ToInputArray},
+    core::{CV_8UC1, Mat, MatTraitConst, Rect, Size as CvSize, ToInputArray},
     imgproc,
 };
 
@@ -45,6 +45,11 @@ impl WorkScale {
             f64::from(self.work.width) / f64::from(self.full.width),
             f64::from(self.work.height) / f64::from(self.full.height),
         )
+    }
+
+    /// The box of the whole full-size picture.
+    pub fn whole(&self) -> Rect {
+        Rect::new(0, 0, self.full.width as i32, self.full.height as i32)
     }
 
     /// A full-size position on the work picture.
