@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use agenticfocus::{
     clip::{ClipRequest, FrameIndex, FrameSource, open},
-    export::VideoWriter,
+    export::{VideoQuality, VideoWriter},
     progress::Unwatched,
 };
 
@@ -35,7 +35,8 @@ fn main() {
         }
         let read = started.elapsed();
         let shown = count.min(60);
-        let mut video = VideoWriter::create(&scratch.path().join("out.mp4"), clip.size()).unwrap();
+        let mut video =
+            VideoWriter::create(&scratch.path().join("out.mp4"), clip.size(), VideoQuality::Final).unwrap();
         let started = Instant::now();
         for index in FrameIndex::all(shown) {
             video.push(&clip.frame(index).unwrap()).unwrap();

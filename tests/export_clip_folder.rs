@@ -7,7 +7,8 @@ use std::{path::Path, process::Command};
 use agenticfocus::{
     clip::{CameraSpec, ClipFlag, ClipInfo, FrameIndex, FrameRow, Rotation},
     export::{
-        ExportError, Record, RecordDescription, RecordMeta, VideoWriter, object_crop, video_facts, write_mask,
+        ExportError, Record, RecordDescription, RecordMeta, VideoQuality, VideoWriter, object_crop,
+        video_facts, write_mask,
     },
     geometry::{PerSide, Pinhole, Pose, Position, Side, Size},
     hands::{HandFrame, HandState, HandTrack},
@@ -181,7 +182,7 @@ fn gradient(size: Size, seed: u32) -> Rgb8 {
 }
 
 fn write_video(path: &Path, size: Size, frames: u32) {
-    let mut video = VideoWriter::create(path, size).unwrap();
+    let mut video = VideoWriter::create(path, size, VideoQuality::Final).unwrap();
     for seed in 0..frames {
         video.push(&gradient(size, seed)).unwrap();
     }
@@ -223,13 +224,13 @@ fn a_video_that_fails_or_is_dropped_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mp4");
     let size = Size::new(64, 48);
-    let mut video = VideoWriter::create(&path, size).unwrap();
+    let mut video = VideoWriter::create(&path, size, VideoQuality::Final).unwrap();
     assert!(matches!(video.push(&Rgb8::new(Size::new(2, 2))), Err(ExportError::WrongSize { .. })));
     drop(video);
-    assert!(VideoWriter::create(&path, size).unwrap().finish().is_err());
+    assert!(VideoWriter::create(&path, size, VideoQuality::Final).unwrap().finish().is_err());
     assert!(!path.exists());
     let nowhere = folder.path().join("missing/a.mp4");
-    let mut video = VideoWriter::create(&nowhere, size).unwrap();
+    let mut video = VideoWriter::create(&nowhere, size, VideoQuality::Final).unwrap();
     let pushed = (0..200).try_for_each(|_| video.push(&Rgb8::new(size)));
     let error = pushed.and_then(|()| video.finish()).unwrap_err().to_string();
     assert!(error.contains("No such file"), "{error}");

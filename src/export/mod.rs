@@ -14,4 +14,4 @@ pub use record::{
     ArrayData, ArrayNote, HandLimits, NamedArray, Record, RecordClip, RecordDescription, RecordMeta,
     write_npz,
 };
-pub use video::{VideoFacts, VideoWriter, video_facts};
+pub use video::{VideoFacts, VideoQuality, VideoWriter, video_facts};

@@ -14,8 +14,25 @@ use serde::Deserialize;
 use super::ExportError;
 use crate::{clip::child::run_to_end, geometry::Size, image::Rgb8};
 
-/// Quality of the encoder: constant rate factor, lower is better; 16 is visually lossless.
-const CRF: &str = "16";
+/// How well a video is kept, against the time and room it takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VideoQuality {
+    /// Visually lossless: what others learn from.
+    Final,
+    /// Good enough to see what happened.
+    Debug,
+}
+
+impl VideoQuality {
+    /// Preset and constant rate factor (lower is better) of the encoder.
+    const fn arguments(self) -> [&'static str; 4] {
+        match self {
+            Self::Final => ["-preset", "veryfast", "-crf", "16"],
+            Self::Debug => ["-preset", "superfast", "-crf", "21"],
+        }
+    }
+}
+
 /// Address space `ffprobe` may use, bytes.
 const PROBE_MEMORY: u64 = 4 << 30;
 
@@ -38,7 +55,7 @@ impl VideoWriter {
     ///
     /// # Errors
     /// When `ffmpeg` cannot be started.
-    pub fn create(path: &Path, size: Size) -> Result<Self, ExportError> {
+    pub fn create(path: &Path, size: Size, quality: VideoQuality) -> Result<Self, ExportError> {
         let even = even(size);
         let mut command = Command::new("ffmpeg");
         command.args(["-nostdin", "-hide_banner", "-nostats", "-loglevel", "error", "-y"]);
@@ -48,7 +65,7 @@ impl VideoWriter {
         command.arg(
             "scale=flags=bicubic+accurate_rnd+full_chroma_inp:out_color_matrix=bt709:out_range=tv,format=yuv420p",
         );
-        command.args(["-c:v", "libx264", "-preset", "veryfast", "-crf", CRF, "-threads", "1"]);
+        command.args(["-c:v", "libx264", "-threads", "1"]).args(quality.arguments());
         command.args(["-g", "30", "-bf", "0", "-colorspace", "bt709", "-color_primaries", "bt709"]);
         command.args(["-color_trc", "bt709", "-color_range", "tv", "-map_metadata", "-1"]);
         command.args(["-fflags", "+bitexact", "-flags:v", "+bitexact", "-video_track_timescale", "15360"]);

@@ -1,8 +1,15 @@
 //! What every stage of a run needs at hand.
 
-use std::{error::Error, sync::atomic::AtomicBool, time::Instant};
+use std::{
+    error::Error,
+    sync::{Mutex, PoisonError, atomic::AtomicBool},
+    time::Instant,
+};
 
-use super::super::{Cache, ClipFailure, ExitCode, Installation, Key, Listener, Stage, reporter::StageWatch};
+use super::super::{
+    Cache, ClipFailure, ExitCode, Installation, Key, Listener, Stage,
+    reporter::{Progress, StageWatch},
+};
 use crate::session::Document;
 
 /// A run's surroundings.
@@ -12,12 +19,14 @@ pub(super) struct Context<'a> {
     pub(super) installation: &'a Installation,
     pub(super) listener: &'a dyn Listener,
     pub(super) cancel: &'a AtomicBool,
-    pub(super) timings: std::cell::RefCell<Vec<(Stage, f64)>>,
+    pub(super) progress: Progress,
+    /// Seconds from the start of each stage to its end; stages that run side by side share them.
+    pub(super) timings: Mutex<Vec<(Stage, f64)>>,
 }
 
 impl Context<'_> {
     pub(super) fn watch(&self, stage: Stage) -> StageWatch<'_> {
-        StageWatch::new(stage, self.listener, self.cancel)
+        StageWatch::new(stage, &self.progress, self.listener, self.cancel)
     }
 
     /// Runs `stage` under its own watch, notes how long it took, and says where a failure happened.
@@ -27,9 +36,11 @@ impl Context<'_> {
         work: impl FnOnce(&StageWatch<'_>) -> Result<T, ClipFailure>,
     ) -> Result<T, ClipFailure> {
         let start = Instant::now();
-        self.listener.progress(stage, 0, 1, stage.overall(0.0));
+        self.listener.progress(stage, 0, 1, self.progress.at(stage, 0.0));
         let result = work(&self.watch(stage)).map_err(|failure| failure.in_stage(stage));
-        self.timings.borrow_mut().push((stage, start.elapsed().as_secs_f64()));
+        self.progress.at(stage, 1.0);
+        let seconds = start.elapsed().as_secs_f64();
+        self.timings.lock().unwrap_or_else(PoisonError::into_inner).push((stage, seconds));
         result
     }
 

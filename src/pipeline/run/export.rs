@@ -2,21 +2,28 @@
 
 use std::{
     path::Path,
-    sync::mpsc::{Receiver, SyncSender, sync_channel},
+    sync::{
+        Arc,
+        mpsc::{Receiver, SyncSender, sync_channel},
+    },
     thread,
 };
 
 use super::{
     Understood,
     context::Context,
+    joined,
     layers::{LayerPlan, plan_layers},
+    pixels::{self, FramePixels, next_frame},
     report::{backends, report},
     stills,
 };
 use crate::{
     clip::{FrameIndex, FrameSource as _},
     composite::{Compositor, FrameLayers, ObjectEvidence},
-    export::{ClipFolder, ExportError, HandLimits, Record, RecordDescription, RecordMeta, VideoWriter},
+    export::{
+        ClipFolder, ExportError, HandLimits, Record, RecordDescription, RecordMeta, VideoQuality, VideoWriter,
+    },
     pipeline::{ClipFailure, ExitCode, Stage, batch::ClipOutcome},
     progress::Watch,
     render::{LayerRequest, RobotLayers, RobotRenderParams, RobotRenderer},
@@ -63,12 +70,16 @@ pub(super) fn write(
         thread::scope(|scope| {
             let (send, receive) = sync_channel(RENDERED_AHEAD);
             let renderer = scope.spawn(|| render_all(parts, &plan, send, watch));
-            let stills = scope.spawn(|| stills::write(&folder, parts, watch));
-            let composed = compose_all(&folder, parts, &plan, receive, watch);
-            let rendered = joined(renderer.join());
+            let (to_compositor, for_compositor) = sync_channel(pixels::READ_AHEAD);
+            let (to_stills, for_stills) = sync_channel(pixels::READ_AHEAD);
+            let reader = scope.spawn(|| pixels::read_all(parts, [to_compositor, to_stills], watch));
+            let folder = &folder;
+            let stills = scope.spawn(move || stills::write(folder, parts, for_stills, watch));
+            let composed = compose_all(folder, parts, &plan, (receive, for_compositor), watch);
+            let (read, rendered) = (joined(reader.join()), joined(renderer.join()));
             let stilled = joined(stills.join());
-            // A renderer that failed is why the compositor ran dry: its reason comes first.
-            rendered.and(composed).and(stilled)
+            // Who feeds the others and failed is why they ran dry: its reason comes first.
+            read.and(rendered).and(composed).and(stilled)
         })?;
         write_record(&folder, context, parts)?;
         Ok(folder)
@@ -76,13 +87,6 @@ pub(super) fn write(
     crate::export::write_json(&folder.file("report.json"), &report(context, parts))?;
     folder.publish(parts.outcome)?;
     Ok(())
-}
-
-fn joined<T>(result: thread::Result<Result<T, ClipFailure>>) -> Result<T, ClipFailure> {
-    result.unwrap_or_else(|_| {
-        let message = "a worker thread panicked".to_owned();
-        Err(ClipFailure { stage: None, exit: ExitCode::Internal, message })
-    })
 }
 
 /// Draws the robot of every frame, in order. The renderer belongs to this thread.
@@ -112,13 +116,17 @@ fn compose_all(
     folder: &ClipFolder,
     parts: &Parts<'_>,
     plan: &LayerPlan,
-    robots: Receiver<RobotLayers>,
+    (robots, pixels): (Receiver<RobotLayers>, Receiver<Arc<FramePixels>>),
     watch: &dyn Watch,
 ) -> Result<(), ClipFailure> {
     let size = parts.clip.size();
     let compositor = Compositor::default();
-    let mut composite = VideoWriter::create(&folder.file("composite.mp4"), size)?;
-    let mut layers_video = VideoWriter::create(&folder.file("debug/layers.mp4"), stills::layers_size(size))?;
+    let mut composite = VideoWriter::create(&folder.file("composite.mp4"), size, VideoQuality::Final)?;
+    let mut layers_video = VideoWriter::create(
+        &folder.file("debug/layers.mp4"),
+        stills::layers_size(size),
+        VideoQuality::Debug,
+    )?;
     let count = parts.clip.frame_count();
     for index in FrameIndex::all(count) {
         watch.advance(index.as_usize(), count);
@@ -126,26 +134,25 @@ fn compose_all(
             let message = "the renderer stopped early".to_owned();
             return Err(ClipFailure { stage: None, exit: ExitCode::Internal, message });
         };
-        let source = parts.clip.frame(index).map_err(|error| failed(&error))?;
-        let background = parts.background.frames.frame(index).map_err(|error| failed(&error))?;
+        let frame = next_frame(&pixels)?;
         let masks = (parts.object.frame(index), parts.arms.union.frame(index).mask.decode());
         let visible = masks.0.mask.decode();
         let object = parts.template.as_ref().map(|template| ObjectEvidence {
             template,
             placement: template.placements[index.as_usize()].as_ref(),
-            source: &source,
+            source: &frame.source,
             visible: masks.0.is_trusted().then_some(&visible),
             hidden: &masks.1,
         });
         let layers = FrameLayers {
-            background: &background,
+            background: &frame.background,
             robot: Some(&robot),
             object,
             order: plan.order[index.as_usize()],
         };
         let composed = compositor.compose(&layers).map_err(|error| failed(&error))?;
         composite.push(&composed.picture)?;
-        layers_video.push(&stills::layers_picture(&background, &robot, &composed)?)?;
+        layers_video.push(&stills::layers_picture(&frame.background, &robot, &composed)?)?;
     }
     composite.finish()?;
     layers_video.finish()?;

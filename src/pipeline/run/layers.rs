@@ -1,5 +1,7 @@
 //! Which arms are drawn on a frame, and what lies in front of what.
 
+use rayon::prelude::*;
+
 use super::export::Parts;
 use crate::{
     clip::{FrameIndex, FrameSource as _},
@@ -27,10 +29,9 @@ const TOUCHING: f64 = 0.5;
 
 /// Plans every frame's layers.
 pub(super) fn plan_layers(document: &Document, parts: &Parts<'_>) -> Result<LayerPlan, ClipFailure> {
-    let mut seen = Vec::with_capacity(parts.clip.frame_count());
-    for index in FrameIndex::all(parts.clip.frame_count()) {
-        seen.push(frame_evidence(parts, index)?);
-    }
+    let frames: Vec<FrameIndex> = FrameIndex::all(parts.clip.frame_count()).collect();
+    let seen: Vec<_> =
+        frames.par_iter().map(|index| frame_evidence(parts, *index)).collect::<Result<_, _>>()?;
     let order = decide(&seen, &document.layer_orders, &OrderParams::default());
     Ok(LayerPlan { shown: shown_arms(&parts.motion), order })
 }

@@ -5,17 +5,23 @@ mod edits;
 mod export;
 mod layers;
 mod move_robot;
+mod pixels;
 mod prepare;
 mod report;
 mod source;
 mod stills;
 mod understand;
 
-use std::{path::Path, sync::atomic::AtomicBool};
+use std::{
+    path::Path,
+    sync::{Mutex, atomic::AtomicBool},
+    thread,
+};
 
 use super::{
     Cache, ClipFailure, ClipJob, ExitCode, Installation, Key, Listener, Stage,
     batch::{ClipOutcome, ClipState, read_outcome},
+    reporter::{Progress, StageWatch},
 };
 use crate::{
     clip::{FrameSource as _, StandardClip},
@@ -68,7 +74,8 @@ fn new_context<'a>(
         installation,
         listener,
         cancel,
-        timings: Vec::new().into(),
+        progress: Progress::default(),
+        timings: Mutex::default(),
     })
 }
 
@@ -168,18 +175,31 @@ fn understand(
         understand::choose_object(context, session, job, &clip, &seen.landmarks, (&arms, &arms_key))?;
     let (object, object_key) =
         understand::object(context, session, &clip, choice.as_ref(), &seen.landmarks, (&arms, &arms_key))?;
-    let (template, _) = understand::template(
-        context,
-        session,
-        &clip,
-        (&object, &object_key),
-        (&arms, &arms_key),
-        &seen.landmarks,
-    )?;
-    let background = understand::background(context, &clip, (&arms, &arms_key), (&object, &object_key))?;
-    let (hands, hands_key) = move_robot::hands(context, &clip, imported, &seen, &landmark_key)?;
-    let (robot, motion) = move_robot::retarget(context, &hands, &hands_key)?;
+    // Template, background and motion need nothing of each other, and none of them fills all cores.
+    let context = &*context;
+    let (template, background, moved) = thread::scope(|scope| {
+        let background = scope
+            .spawn(|| understand::background(context, &clip, (&arms, &arms_key), (&object, &object_key)));
+        let moved = scope.spawn(|| {
+            let (hands, hands_key) = move_robot::hands(context, &clip, imported, &seen, &landmark_key)?;
+            let (robot, motion) = move_robot::retarget(context, &hands, &hands_key)?;
+            Ok((hands, robot, motion))
+        });
+        let (object, arms) = ((&object, &object_key), (&arms, &arms_key));
+        let template = understand::template(context, session, &clip, object, arms, &seen.landmarks);
+        (template, joined(background.join()), joined(moved.join()))
+    });
+    // The first stage that failed is told, whichever was first to fail.
+    let ((template, _), background, (hands, robot, motion)) = (template?, background?, moved?);
     Ok(Understood { clip, arms, object, template, background, landmarks: seen, hands, robot, motion, choice })
+}
+
+/// What a worker thread came to; its panic is a failure of the clip, not of the program.
+fn joined<T>(result: thread::Result<Result<T, ClipFailure>>) -> Result<T, ClipFailure> {
+    result.unwrap_or_else(|_| {
+        let message = "a worker thread panicked".to_owned();
+        Err(ClipFailure { stage: None, exit: ExitCode::Internal, message })
+    })
 }
 
 fn remember_hash(context: &mut Context<'_>, session: &mut Session, hash: &str) -> Result<(), ClipFailure> {
@@ -212,7 +232,8 @@ fn inputs_key(
     cancel: &AtomicBool,
     listener: &dyn Listener,
 ) -> Result<Key, ClipFailure> {
-    let watch = super::reporter::StageWatch::new(Stage::Clip, listener, cancel);
+    let progress = Progress::default();
+    let watch = StageWatch::new(Stage::Clip, &progress, listener, cancel);
     let document = session.document();
     let hash = crate::clip::content_hash(Path::new(&document.clip.path), &watch)
         .map_err(|error| ClipFailure::from(error).in_stage(Stage::Clip))?;

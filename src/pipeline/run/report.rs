@@ -1,6 +1,6 @@
 //! `report.json`: how good the result is, frame by frame and as a whole.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::PoisonError};
 
 use serde::Serialize;
 
@@ -115,7 +115,13 @@ pub(super) fn report<'a>(context: &'a Context<'_>, parts: &'a Parts<'a>) -> Repo
         backends: backends(parts),
         summary: summary(parts, &frames),
         frames,
-        timings: context.timings.borrow().iter().map(|(stage, seconds)| (stage.name(), *seconds)).collect(),
+        timings: context
+            .timings
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .iter()
+            .map(|(stage, seconds)| (stage.name(), *seconds))
+            .collect(),
     }
 }
 

@@ -1,10 +1,17 @@
 //! Masks, crops, template and the debug videos.
 
-use super::export::Parts;
+use std::sync::{Arc, mpsc::Receiver};
+
+use super::{
+    export::Parts,
+    pixels::{FramePixels, next_frame},
+};
 use crate::{
     clip::{FrameIndex, FrameSource as _},
     composite::Composite,
-    export::{ClipFolder, VideoWriter, object_crop, overlay::masks_picture, write_mask, write_rgba},
+    export::{
+        ClipFolder, VideoQuality, VideoWriter, object_crop, overlay::masks_picture, write_mask, write_rgba,
+    },
     geometry::Size,
     image::Rgb8,
     pipeline::{ClipFailure, ExitCode},
@@ -20,28 +27,33 @@ fn failed(error: &(dyn std::error::Error + 'static)) -> ClipFailure {
 }
 
 /// Writes masks, crops, the template and the mask and inpaint debug videos.
-pub(super) fn write(folder: &ClipFolder, parts: &Parts<'_>, watch: &dyn Watch) -> Result<(), ClipFailure> {
+pub(super) fn write(
+    folder: &ClipFolder,
+    parts: &Parts<'_>,
+    pixels: Receiver<Arc<FramePixels>>,
+    watch: &dyn Watch,
+) -> Result<(), ClipFailure> {
     let size = parts.clip.size();
-    let mut masks = VideoWriter::create(&folder.file("debug/masks.mp4"), size)?;
-    let mut inpaint = VideoWriter::create(&folder.file("debug/inpaint.mp4"), size)?;
+    let mut masks = VideoWriter::create(&folder.file("debug/masks.mp4"), size, VideoQuality::Debug)?;
+    let mut inpaint = VideoWriter::create(&folder.file("debug/inpaint.mp4"), size, VideoQuality::Debug)?;
     if let Some(template) = &parts.template {
         write_rgba(&folder.file("template.png"), &template.picture)?;
     }
     for index in FrameIndex::all(parts.clip.frame_count()) {
         watch.check().map_err(|error| failed(&error))?;
         let at = index.as_usize();
-        let source = parts.clip.frame(index).map_err(|error| failed(&error))?;
+        let frame = next_frame(&pixels)?;
         let object = parts.object.frame(index).mask.decode();
         let arms = parts.arms.union.frame(index).mask.decode();
         write_mask(&folder.mask_file("object", index), &object)?;
         write_mask(&folder.mask_file("hand", index), &arms)?;
-        if let Some(crop) = object_crop(&source, &object, CROP_MARGIN) {
+        if let Some(crop) = object_crop(&frame.source, &object, CROP_MARGIN) {
             write_rgba(&folder.crop_file(index), &crop)?;
         }
         let sides = &parts.arms.sides;
         let (left, right) = (sides.left[at].decode(), sides.right[at].decode());
-        masks.push(&masks_picture(&source, Some(&object), Some(&left), Some(&right)))?;
-        inpaint.push(&parts.background.frames.frame(index).map_err(|error| failed(&error))?)?;
+        masks.push(&masks_picture(&frame.source, Some(&object), Some(&left), Some(&right)))?;
+        inpaint.push(&frame.background)?;
     }
     masks.finish()?;
     inpaint.finish()?;
