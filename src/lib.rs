@@ -36,6 +36,8 @@ pub mod render;
 #[cfg(feature = "engine")]
 pub mod select;
 #[cfg(feature = "engine")]
+mod smoothing;
+#[cfg(feature = "engine")]
 pub mod synth;
 #[cfg(feature = "engine")]
 pub mod vision;

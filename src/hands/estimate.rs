@@ -15,6 +15,7 @@ use super::{
     outliers::remove_jumps,
     recover::recover,
     sides::assign,
+    smooth::smooth_keypoints,
     tracklet::link,
 };
 use crate::{
@@ -35,11 +36,13 @@ pub struct EstimateParams {
     pub recover_share: f64,
     /// Second looks in a row that may fail before a hand is given up (default 3).
     pub recover_misses: usize,
+    /// Half-power frequency of the smoother that every keypoint passes, Hz (default 6).
+    pub smoothing_hz: f64,
 }
 
 impl Default for EstimateParams {
     fn default() -> Self {
-        Self { picture_side: 960, recover_share: 0.5, recover_misses: 3 }
+        Self { picture_side: 960, recover_share: 0.5, recover_misses: 3, smoothing_hz: 6.0 }
     }
 }
 
@@ -53,7 +56,7 @@ pub struct Estimation {
 }
 
 /// Runs `estimator` over `frames`: hands followed over time, left and right told apart, jumps
-/// removed, missed hands looked for again in magnified crops.
+/// removed, missed hands looked for again in magnified crops, keypoints smoothed without lag.
 ///
 /// The result depends on the frames, the parameters and the estimator's answers alone.
 ///
@@ -77,6 +80,7 @@ pub fn estimate(
     recover(frames, &mut process, &mut sides, params, budget, watch)?;
     for side in [&mut sides.left, &mut sides.right] {
         remove_jumps(side);
+        smooth_keypoints(side, params.smoothing_hz);
     }
     let backend = process.name().to_owned();
     let pairs = sides.left.into_iter().zip(sides.right);

@@ -21,6 +21,8 @@ mod outliers;
 mod recover;
 #[cfg(feature = "engine")]
 mod sides;
+#[cfg(feature = "engine")]
+mod smooth;
 mod track;
 #[cfg(feature = "engine")]
 mod tracklet;

@@ -8,7 +8,7 @@ use crate::{
     robot::palm_rotation,
 };
 
-use super::filter::median;
+use crate::smoothing::median;
 
 /// Wrist to middle fingertip of the hand that distances in the parameters refer to, metres.
 const REFERENCE_HAND: f64 = 0.18;

@@ -160,7 +160,7 @@ pub enum Smoothing {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Cutoff {
-    /// Wrist across the line of sight: light, since the picture shows it.
+    /// Wrist across the line of sight: light, since the picture shows it and landmarks come smoothed.
     pub across_hz: f64,
     /// Wrist along the line of sight: strong, since a single camera hardly sees it.
     pub depth_hz: f64,
@@ -172,7 +172,7 @@ pub struct Cutoff {
 
 impl Default for Cutoff {
     fn default() -> Self {
-        Self { across_hz: 6.0, depth_hz: 2.5, rotation_hz: 3.5, finger_hz: 4.5 }
+        Self { across_hz: 8.0, depth_hz: 2.5, rotation_hz: 3.5, finger_hz: 4.5 }
     }
 }
 

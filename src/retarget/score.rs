@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use crate::{
     geometry::{PerSide, Side},
     robot::{JointAngles, RobotModel, SIDE_DOF, SidePosture},
+    smoothing::median,
 };
 
 use super::{
-    filter::median,
     params::Weights,
     solver::{SideSolver, Solution},
     start::solve_afresh,

@@ -4,10 +4,9 @@ use std::ops::Range;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use crate::hands::HandFrame;
+use crate::{clip::STANDARD_FPS, hands::HandFrame, smoothing::smooth_together};
 
 use super::{
-    filter::smooth_together,
     human::{HumanPose, HumanSize},
     params::Cutoff,
 };
@@ -72,8 +71,8 @@ fn smooth_wrist(run: &mut [HumanPose], weights: &[f64], cutoff: &Cutoff) {
     let x = column(&|pose| pose.wrist.x / pose.wrist.z);
     let y = column(&|pose| pose.wrist.y / pose.wrist.z);
     let depth = column(&|pose| pose.wrist.z.ln());
-    let across = smooth_together(&[&x, &y], weights, cutoff.across_hz, FLOORS[0]);
-    let depth = smooth_together(&[&depth], weights, cutoff.depth_hz, FLOORS[1]);
+    let across = smooth_together(&[&x, &y], weights, cutoff.across_hz / STANDARD_FPS, FLOORS[0]);
+    let depth = smooth_together(&[&depth], weights, cutoff.depth_hz / STANDARD_FPS, FLOORS[1]);
     for (t, pose) in run.iter_mut().enumerate() {
         let z = depth[0][t].exp();
         pose.wrist = Vector3::new(across[0][t] * z, across[1][t] * z, z);
@@ -95,7 +94,7 @@ fn smooth_palm(run: &mut [HumanPose], weights: &[f64], cutoff_hz: f64) {
         }
     }
     let columns: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-    let smoothed = smooth_together(&columns, weights, cutoff_hz, FLOORS[2]);
+    let smoothed = smooth_together(&columns, weights, cutoff_hz / STANDARD_FPS, FLOORS[2]);
     for (t, pose) in run.iter_mut().enumerate() {
         let quaternion = Quaternion::new(smoothed[3][t], smoothed[0][t], smoothed[1][t], smoothed[2][t]);
         if quaternion.norm() > 0.1 {
@@ -118,7 +117,7 @@ fn smooth_vectors(
         }
     }
     let columns: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-    let smoothed = smooth_together(&columns, weights, cutoff_hz, FLOORS[3]);
+    let smoothed = smooth_together(&columns, weights, cutoff_hz / STANDARD_FPS, FLOORS[3]);
     for (t, pose) in run.iter_mut().enumerate() {
         *vector(pose) = Vector3::new(smoothed[0][t], smoothed[1][t], smoothed[2][t]);
     }

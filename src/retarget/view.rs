@@ -6,12 +6,11 @@
 
 use nalgebra::Vector3;
 
-use crate::{geometry::PerSide, robot::RobotModel};
+use crate::{geometry::PerSide, robot::RobotModel, smoothing::median};
 
 use super::{
     CameraMap, RetargetError,
     beta::{Reach, natural_beta, reach},
-    filter::median,
     params::{CameraAngles, CameraRotation, RetargetParams},
     track::HumanTrack,
 };

@@ -388,8 +388,8 @@ fn build(meshes: &[Mesh], light: &str) -> Result<MjModel, SynthError> {
          <asset>{assets}</asset><worldbody>{light}{world}</worldbody></mujoco>"
     );
     files.add_from_buffer(DOCUMENT, xml.as_bytes()).map_err(|error| SynthError::Scene(error.to_string()))?;
-    let mut model =
-        compile_alone(|| MjModel::from_xml_vfs(DOCUMENT, &files)).map_err(|error| SynthError::Scene(error.to_string()))?;
+    let mut model = compile_alone(|| MjModel::from_xml_vfs(DOCUMENT, &files))
+        .map_err(|error| SynthError::Scene(error.to_string()))?;
     for (index, mesh) in meshes.iter().enumerate() {
         let start = usize::try_from(model.tex_adr()[index]).unwrap_or(0);
         model.tex_data_mut()[start..start + mesh.texels.len()].copy_from_slice(&mesh.texels);
