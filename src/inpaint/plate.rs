@@ -319,8 +319,9 @@ impl Samples {
                 flags[at] = 255;
             }
         }
-        let work = plate.view.scale.shrink(&seen_both)?;
-        work.copy_to(&mut both)?;
+        // Single lines of pixels are edges that did not register, not shadows.
+        let sizeable = super::hole::grown(&plate.view.scale.shrink_mask(&seen_both)?, -1)?;
+        both = super::hole::grown(&sizeable, 1)?;
         Ok((common_factor(ratios, (self.pixels.len() / 200).max(100)), both))
     }
 

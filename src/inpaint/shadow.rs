@@ -58,9 +58,9 @@ pub(super) fn lift(plate: &mut Plate, ground: &LitGround, factor: [f32; 3]) -> o
     let colours: Vec<[u8; 3]> = plate.view.colour.data_typed::<Vec3b>()?.iter().map(|c| c.0).collect();
     let valid = plate.view.valid.data_typed::<u8>()?;
     let (far, both) = (ground.far.data_typed::<u8>()?, ground.both.data_typed::<u8>()?);
-    let lit: Vec<bool> =
-        (0..colours.len()).map(|i| valid[i] != 0 && (far[i] != 0 || both[i] > 100)).collect();
-    let doubtful: Vec<bool> = (0..colours.len()).map(|i| valid[i] != 0 && !lit[i] && both[i] < 30).collect();
+    let lit: Vec<bool> = (0..colours.len()).map(|i| valid[i] != 0 && both[i] > 100).collect();
+    let doubtful: Vec<bool> =
+        (0..colours.len()).map(|i| valid[i] != 0 && far[i] == 0 && both[i] < 30).collect();
     let size = (NEIGHBOURHOOD * columns as f64).round() as i32 | 1;
     let (lit_mean, lit_share) = mean_around(&plate.view.colour, &lit, size)?;
     let (own_mean, own_share) = mean_around(&plate.view.colour, &doubtful, size)?;

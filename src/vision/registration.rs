@@ -333,13 +333,17 @@ impl Warp {
         {
             let (xs, ys) = (xs.data_typed_mut::<f32>()?, ys.data_typed_mut::<f32>()?);
             let width = region.width as usize;
+            let h = self.homography.map(|value| value as f32);
             for (row, (xs, ys)) in xs.chunks_exact_mut(width).zip(ys.chunks_exact_mut(width)).enumerate() {
                 let y = (region.y + row as i32) as f32;
+                let vectors = residual.row((y + 0.5) * step.1 - 0.5);
                 for (column, (x_out, y_out)) in xs.iter_mut().zip(ys).enumerate() {
                     let x = (region.x + column as i32) as f32;
-                    let [dx, dy] = residual.at((x + 0.5) * step.0 - 0.5, (y + 0.5) * step.1 - 0.5);
-                    let q = self.homography * Vector3::new(f64::from(x + dx), f64::from(y + dy), 1.0);
-                    (*x_out, *y_out) = ((q.x / q.z) as f32, (q.y / q.z) as f32);
+                    let [dx, dy] = between(&vectors, (x + 0.5) * step.0 - 0.5);
+                    let (u, v) = (x + dx, y + dy);
+                    let scale = 1.0 / (h[(2, 0)] * u + h[(2, 1)] * v + h[(2, 2)]);
+                    *x_out = (h[(0, 0)] * u + h[(0, 1)] * v + h[(0, 2)]) * scale;
+                    *y_out = (h[(1, 0)] * u + h[(1, 1)] * v + h[(1, 2)]) * scale;
                 }
             }
         }
@@ -393,20 +397,25 @@ fn to_work_size(full: &Matrix3<f64>, target: WorkScale, source: WorkScale) -> Ma
 }
 
 impl Residual {
-    /// Bilinear, coordinates in the residual's own grid.
-    fn at(&self, x: f32, y: f32) -> [f32; 2] {
-        let x = x.clamp(0.0, (self.width - 1) as f32);
+    /// The vectors along row `y` of the residual's own grid, between two of its rows.
+    fn row(&self, y: f32) -> Vec<[f32; 2]> {
         let y = y.clamp(0.0, (self.height - 1) as f32);
-        let (x0, y0) = (x as usize, y as usize);
-        let (x1, y1) = ((x0 + 1).min(self.width - 1), (y0 + 1).min(self.height - 1));
-        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-        let row = |y: usize| {
-            let (a, b) = (self.vectors[y * self.width + x0], self.vectors[y * self.width + x1]);
-            [a[0] + (b[0] - a[0]) * fx, a[1] + (b[1] - a[1]) * fx]
-        };
-        let (top, bottom) = (row(y0), row(y1));
-        [top[0] + (bottom[0] - top[0]) * fy, top[1] + (bottom[1] - top[1]) * fy]
+        let above = y as usize;
+        let below = (above + 1).min(self.height - 1);
+        let share = y - above as f32;
+        let row = |y: usize| &self.vectors[y * self.width..(y + 1) * self.width];
+        let pairs = row(above).iter().zip(row(below));
+        pairs.map(|(a, b)| [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share]).collect()
     }
+}
+
+/// The value at position `x` of a row, linear between its neighbours.
+fn between(row: &[[f32; 2]], x: f32) -> [f32; 2] {
+    let x = x.clamp(0.0, (row.len() - 1) as f32);
+    let left = x as usize;
+    let (a, b) = (row[left], row[(left + 1).min(row.len() - 1)]);
+    let share = x - left as f32;
+    [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share]
 }
 
 /// What to add to `source` (CV_8UC3) so that its colours meet `target`'s (CV_8UC3), given where both are
