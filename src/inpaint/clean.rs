@@ -12,17 +12,19 @@ use rayon::prelude::*;
 
 use super::{
     FrameCoverage, InpaintError, InpaintParams, InpaintReport,
+    cast::{Ground, Shadow, cast_shadow},
     fill::grown_rect,
-    plate::{self, Plate, SEEN, SYNTHESISED, matched},
+    plate::{self, Plate, SEEN, SYNTHESISED, close_offset, with_offset},
     scene::{Loaded, Scene},
     survey::Survey,
 };
 use crate::{
     clip::{FrameIndex, FrameSource},
+    geometry::Size,
     image::Rgb8,
     progress::Watch,
     segment::{MaskTrack, RleMask},
-    vision::{Registration, Warp, fill_smoothly, single_threaded},
+    vision::{Registration, Warp, enlarged_part, fill_smoothly, single_threaded},
 };
 
 /// A receiver's error.
@@ -153,13 +155,24 @@ fn clean_frame(
         ));
     }
     let feather = InpaintParams::pixels(scene.params.feather, loaded.picture.cols() as u32, 1);
-    let region = grown_rect(bounds, 2 * feather + 2, loaded.picture.cols(), loaded.picture.rows());
-    let mut parts = Vec::new();
+    let mut views = Vec::new();
     for (plate, weight) in plates.into_iter().zip(weights) {
         let Some(plate) = plate.filter(|_| weight > 0.0) else { continue };
-        if let Some((picture, origin)) = draw_plate(scene, survey, &loaded, frame, plate, region)? {
-            parts.push(Part { picture, origin, weight });
+        if let Some(view) = PlateView::new(scene, survey, &loaded, frame, plate, weight)? {
+            views.push(view);
         }
+    }
+    // The plates agree about the ground: one is enough to see what lies in the shadow.
+    let clearest = views.iter().max_by(|a, b| a.weight.total_cmp(&b.weight));
+    let shadow = match clearest {
+        Some(view) => view.shadow(&loaded, scene.params)?,
+        None => None,
+    };
+    let bounds = shadow.as_ref().map_or(bounds, |shadow| bounds | shadow.bounds);
+    let region = grown_rect(bounds, 2 * feather + 2, loaded.picture.cols(), loaded.picture.rows());
+    let mut parts = Vec::new();
+    for view in &views {
+        parts.push(view.draw(region)?);
     }
     let template = template.map(RleMask::decode);
     let inside_template = |x: i32, y: i32| {
@@ -168,7 +181,13 @@ fn clean_frame(
     let hole = Mat::roi(&loaded.hole, region)?.try_clone()?;
     let (background, coverage) = mixed(&loaded, region, &hole, &parts, &inside_template)?;
     let core = Mat::roi(&loaded.core, region)?.try_clone()?;
-    let alpha = seam(&hole, &core, feather)?;
+    let mut alpha = seam(&hole, feather)?;
+    if let Some(shadow) = &shadow {
+        let shade = enlarged_part(&shadow.alpha, loaded.view.scale.full, region)?;
+        let either = alpha.clone();
+        opencv::core::max(&either, &shade, &mut alpha)?;
+    }
+    alpha.set_to(&Scalar::all(0.0), &core)?;
     let picture = blended(&loaded.picture, region, &background, &alpha)?;
     Ok((picture, coverage))
 }
@@ -180,27 +199,68 @@ struct Part {
     weight: f32,
 }
 
-/// The plate as the frame's camera sees it, in the frame's colours; `None` where it does not fit.
-fn draw_plate(
-    scene: &Scene<'_>,
-    survey: &Survey,
-    loaded: &Loaded,
-    frame: usize,
-    plate: &Plate,
-    region: Rect,
-) -> Result<Option<(Mat, Mat)>, InpaintError> {
-    let Some(guess) = plate.guess_from(survey, frame) else { return Ok(None) };
-    let registration = Registration { parallax: scene.params.parallax };
-    let still = plate.still();
-    // A frame too blurred to register still lies about where the camera's path says.
-    let warp = match registration.register(&loaded.view, &plate.view, &guess, Some(&still))? {
-        Some(warp) => warp,
-        None => Warp::along(&guess, loaded.view.scale, plate.view.scale),
-    };
-    let picture = warp.draw(&plate.picture, region, imgproc::INTER_CUBIC, None)?;
-    let origin = warp.draw(&plate.origin, region, imgproc::INTER_NEAREST, Some(Scalar::all(0.0)))?;
-    let picture = matched(&loaded.view, &plate.view, &warp, &picture, region, scene.params)?;
-    Ok(Some((picture, origin)))
+/// A plate as a frame's camera sees it.
+struct PlateView<'a> {
+    plate: &'a Plate,
+    weight: f32,
+    /// From the frame to the plate.
+    warp: Warp,
+    /// What to add to the plate's colours, in cells.
+    offset: Mat,
+    /// CV_8UC3 at the frame's work scale: the plate in its own colours.
+    colour: Mat,
+    /// CV_8UC1 at the frame's work scale: 255 where the plate was really seen.
+    shown: Mat,
+    full: Size,
+}
+
+impl<'a> PlateView<'a> {
+    /// `None` where the plate does not fit.
+    fn new(
+        scene: &Scene<'_>,
+        survey: &Survey,
+        loaded: &Loaded,
+        frame: usize,
+        plate: &'a Plate,
+        weight: f32,
+    ) -> Result<Option<Self>, InpaintError> {
+        let Some(guess) = plate.guess_from(survey, frame) else { return Ok(None) };
+        let registration = Registration { parallax: scene.params.parallax };
+        let still = plate.still();
+        // A frame too blurred to register still lies about where the camera's path says.
+        let warp = match registration.register(&loaded.view, &plate.view, &guess, Some(&still))? {
+            Some(warp) => warp,
+            None => Warp::along(&guess, loaded.view.scale, plate.view.scale),
+        };
+        let (colour, shown) = warp.draw_work(&plate.view)?;
+        let offset = close_offset(&loaded.view, &colour, &shown, scene.params)?;
+        Ok(Some(Self { plate, weight, warp, offset, colour, shown, full: loaded.view.scale.full }))
+    }
+
+    /// The part `region` of the plate, in the frame's colours.
+    fn draw(&self, region: Rect) -> opencv::Result<Part> {
+        let picture = self.warp.draw(&self.plate.picture, region, imgproc::INTER_CUBIC, None)?;
+        let nothing = Some(Scalar::all(0.0));
+        let origin = self.warp.draw(&self.plate.origin, region, imgproc::INTER_NEAREST, nothing)?;
+        let picture = with_offset(&picture, &self.offset, self.full, region)?;
+        Ok(Part { picture, origin, weight: self.weight })
+    }
+
+    /// The shadow beside the hole.
+    fn shadow(&self, loaded: &Loaded, params: &InpaintParams) -> opencv::Result<Option<Shadow>> {
+        let scale = loaded.view.scale;
+        let whole = Rect::new(0, 0, scale.work.width as i32, scale.work.height as i32);
+        let plate = with_offset(&self.colour, &self.offset, scale.work, whole)?;
+        let (hole, object) = (scale.shrink(&loaded.hole)?, scale.shrink(&loaded.core)?);
+        let ground = Ground {
+            frame: &loaded.view.colour,
+            plate: &plate,
+            shown: &self.shown,
+            hole: &hole,
+            object: &object,
+        };
+        cast_shadow(&ground, scale, params)
+    }
 }
 
 /// The background inside `region` as 32-bit colours, from all parts; gaps are closed smoothly.
@@ -259,8 +319,8 @@ fn mixed(
     Ok((colours, coverage))
 }
 
-/// 1 inside the hole, falling to 0 over twice `feather` pixels outside of it; 0 on the object's core.
-fn seam(hole: &Mat, core: &Mat, feather: i32) -> opencv::Result<Mat> {
+/// 1 inside the hole, falling to 0 over twice `feather` pixels outside of it.
+fn seam(hole: &Mat, feather: i32) -> opencv::Result<Mat> {
     let (mut soft, mut out) = (Mat::default(), Mat::default());
     let wide = super::hole::grown(hole, feather)?;
     wide.convert_to(&mut soft, CV_32FC1, 1.0 / 255.0, 0.0)?;
@@ -272,7 +332,6 @@ fn seam(hole: &Mat, core: &Mat, feather: i32) -> opencv::Result<Mat> {
         opencv::core::Point::new(-1, -1),
         opencv::core::BORDER_REPLICATE,
     )?;
-    out.set_to(&Scalar::all(0.0), core)?;
     Ok(out)
 }
 

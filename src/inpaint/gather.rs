@@ -29,12 +29,13 @@ impl Canvas {
     }
 }
 
-/// Cells of the canvas of `key` that any frame of `frames` draws its hole from.
+/// Cells of the canvas of `key` that any frame of `frames` draws its hole from, or the shadow beside it.
 pub(super) fn needed_cells(
     survey: &Survey,
     canvas: &Canvas,
     key: usize,
     frames: std::ops::Range<usize>,
+    params: &InpaintParams,
 ) -> Vec<bool> {
     let mut needed = vec![false; canvas.columns * canvas.rows];
     for frame in frames {
@@ -44,10 +45,12 @@ pub(super) fn needed_cells(
             *needed = survey.cell_at(p.x / p.z, p.y / p.z).is_some_and(|at| survey.cells[frame].hole[at]);
         }
     }
-    widened(&needed, canvas)
+    // One cell more on every side: registration moves things a little.
+    let reach = (params.shadow_reach * survey.columns as f64).round() as usize;
+    (0..reach.max(1)).fold(needed, |needed, _| widened(&needed, canvas))
 }
 
-/// One cell more on every side: registration moves things a little.
+/// One cell more on every side.
 fn widened(cells: &[bool], canvas: &Canvas) -> Vec<bool> {
     let at = |x: isize, y: isize| {
         x >= 0

@@ -4,8 +4,9 @@
 //! picture with hand and object taken out and replaced by aligned samples of the frames nearest in
 //! time that saw that place. Every frame then draws its hole from the two plates around it, cross-faded
 //! in time, so that nothing flickers. What no frame saw is synthesised once on a plate and handed on
-//! from plate to plate.
+//! from plate to plate. Beside the hole the shadow of hand and arm is taken out with them.
 
+mod cast;
 mod clean;
 mod error;
 mod fill;

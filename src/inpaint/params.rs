@@ -17,6 +17,8 @@ pub struct InpaintParams {
     /// How far the object mask is narrowed before it is taken out of the hole (default: 0.003):
     /// its rim may carry the hand's colours.
     pub object_erosion: f64,
+    /// How far from the hole the shadow of hand and arm is looked for (default: 0.12).
+    pub shadow_reach: f64,
     /// Width of the seam over which restored background fades into the frame (default: 0.004).
     pub feather: f64,
     /// Frames that one plate serves at least, where the clip is long enough (default: 15).
@@ -53,6 +55,7 @@ impl Default for InpaintParams {
             hole_dilation: 0.009,
             guard: 0.015,
             object_erosion: 0.003,
+            shadow_reach: 0.12,
             feather: 0.004,
             plate_spacing: 15,
             longest_service: 60,

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     geometry::Size,
-    vision::{Registration, View, Warp, WorkScale, colour_offset, enlarged_part, scene_change},
+    vision::{Registration, View, WorkScale, colour_offset, enlarged_part, scene_change},
 };
 
 /// Nothing is known there.
@@ -39,6 +39,8 @@ pub(super) struct Plate {
     pub origin: Mat,
     /// The plate at work scale; valid where [`SEEN`].
     pub view: View,
+    /// By which factor lit ground is brighter than ground in a hand's shadow, if that is known.
+    pub shadow: Option<[f32; 3]>,
     /// Margin in full-size pixels.
     pub margin: (i32, i32),
     /// Margin in work pixels.
@@ -73,7 +75,7 @@ pub(super) fn build(
     let canvas = Canvas::new(survey, params.margin);
     let loaded = scene.load(key)?;
     let mut plate = bare(scene, &canvas, key, &loaded)?;
-    let needed = needed_cells(survey, &canvas, key, frames);
+    let needed = needed_cells(survey, &canvas, key, frames, params);
     let sources = choose_sources(survey, &canvas, key, &needed, params);
     let mut samples = Samples::new(&plate, &canvas, &needed, params)?;
     if let Some(region) = samples.region {
@@ -104,7 +106,8 @@ pub(super) fn build(
             }
         }
         let (shadow, both) = samples.settle(&mut plate)?;
-        if let Some(factor) = shadow {
+        plate.shadow = shadow.or(previous.and_then(|previous| previous.shadow));
+        if let Some(factor) = plate.shadow {
             plate.view = view_of(&plate)?;
             lift(&mut plate, &LitGround { far, both }, factor)?;
         }
@@ -135,7 +138,7 @@ fn bare(scene: &Scene<'_>, canvas: &Canvas, key: usize, loaded: &Loaded) -> Resu
     opencv::core::bitwise_not_def(&blocked, &mut origin)?;
     let view = View::new(scale, &picture, &blocked)?;
     picture.set_to(&Scalar::all(0.0), &blocked)?;
-    Ok(Plate { key, picture, origin, view, margin, work_margin })
+    Ok(Plate { key, picture, origin, view, shadow: None, margin, work_margin })
 }
 
 fn bordered(picture: &Mat, margin: (i32, i32), border: i32, value: f64) -> opencv::Result<Mat> {
@@ -202,27 +205,23 @@ fn draw_source(
 }
 
 /// `picture`, the part `region` of a picture of size `full`, plus a coarse map of offsets.
-fn with_offset(picture: &Mat, offset: &Mat, full: Size, region: Rect) -> opencv::Result<Mat> {
+pub(super) fn with_offset(picture: &Mat, offset: &Mat, full: Size, region: Rect) -> opencv::Result<Mat> {
     let (wide, mut sum) = (enlarged_part(offset, full, region)?, Mat::default());
     opencv::core::add(picture, &wide, &mut sum, &opencv::core::no_array(), CV_8UC3)?;
     Ok(sum)
 }
 
-/// `picture`, drawn from `source` inside `region` of the full-size target, with its colours matched
+/// What to add to `colour`, a plate on `target`'s work grid and `shown` there, so that its colours match
 /// closely: differences along the hole's rim are carried smoothly into it.
-pub(super) fn matched(
+pub(super) fn close_offset(
     target: &View,
-    source: &View,
-    warp: &Warp,
-    picture: &Mat,
-    region: Rect,
+    colour: &Mat,
+    shown: &Mat,
     params: &InpaintParams,
 ) -> opencv::Result<Mat> {
-    let (colour, shown) = warp.draw_work(source)?;
     let mut valid = Mat::default();
-    opencv::core::bitwise_and_def(&shown, &target.valid, &mut valid)?;
-    let offset = colour_offset(&target.colour, &colour, &valid, 8, params.colour_limit)?;
-    with_offset(picture, &offset, target.scale.full, region)
+    opencv::core::bitwise_and_def(shown, &target.valid, &mut valid)?;
+    colour_offset(&target.colour, colour, &valid, 8, params.colour_limit)
 }
 
 /// Samples of the pixels that the key frame does not show.

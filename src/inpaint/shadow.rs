@@ -47,7 +47,7 @@ pub(super) fn far_ground(view: &View) -> opencv::Result<Mat> {
     Ok(out)
 }
 
-/// Brightens lasting shadows on `plate` by `factor` (lit colour over shadowed colour, for each channel).
+/// Brightens lasting shadows on `plate` by `factor` or a power of it (lit colour over shadowed colour, for each channel).
 /// Their edges, half in the light, become unknown.
 pub(super) fn lift(plate: &mut Plate, ground: &LitGround, factor: [f32; 3]) -> opencv::Result<()> {
     let mean = factor.iter().sum::<f32>() / 3.0;
@@ -75,8 +75,9 @@ pub(super) fn lift(plate: &mut Plate, ground: &LitGround, factor: [f32; 3]) -> o
         }
         if same_hue(lit_mean[i], own_mean[i]) {
             let darker = |own: [f32; 3]| (luma(lit_mean[i]) / luma(own).max(1.0)).ln() / log;
-            depth[i] = darker(own_mean[i]);
-            cost[i] = (0.5 - 0.5 * (depth[i] + darker(spot[i]).clamp(-1.0, 1.5))).clamp(-0.5, 0.5);
+            depth[i] = darker(spot[i]);
+            let both = 0.5 * (darker(own_mean[i]) + depth[i].clamp(-1.0, 1.5));
+            cost[i] = (0.5 - both).clamp(-0.5, 0.5);
         } else {
             cost[i] = 0.25;
         }
@@ -87,7 +88,7 @@ pub(super) fn lift(plate: &mut Plate, ground: &LitGround, factor: [f32; 3]) -> o
         *u = if *cost < 0.0 { 1.0 } else { 0.0 };
     }
     tv_cut(&mut inside, &cost, &edges, 120);
-    let shadow = as_dark_as_shadow(&inside, &doubtful, &depth)?;
+    let shadow = depths_of_pieces(&inside, &doubtful, &depth)?;
     brighten(plate, &shadow, factor)
 }
 
@@ -129,9 +130,9 @@ fn same_hue(a: [f32; 3], b: [f32; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a / total_a - b / total_b).abs() < 0.025)
 }
 
-/// CV_8UC1 at work size: 255 in those connected pieces of `inside` that are about as
-/// dark as a shadow is.
-fn as_dark_as_shadow(inside: &Plane, doubtful: &[bool], depth: &[f32]) -> opencv::Result<Mat> {
+/// CV_32FC1 at work size: by which power of the measured factor each connected piece of `inside` is darker than
+/// lit ground; 0 where there is no shadow, or none of a plausible depth.
+fn depths_of_pieces(inside: &Plane, doubtful: &[bool], depth: &[f32]) -> opencv::Result<Mat> {
     let (columns, rows) = (inside.width as i32, inside.height as i32);
     let bytes = |of: &dyn Fn(usize) -> bool| -> opencv::Result<Mat> {
         let data: Vec<u8> = (0..doubtful.len()).map(|i| if of(i) { 255 } else { 0 }).collect();
@@ -150,25 +151,37 @@ fn as_dark_as_shadow(inside: &Plane, doubtful: &[bool], depth: &[f32]) -> opencv
             *sum += depth;
         }
     }
-    let keep: Vec<bool> = areas
+    let powers: Vec<f32> = areas
         .iter()
         .enumerate()
         .map(|(label, (area, known, sum))| {
             let mean = sum / (*known as f32).max(1.0);
-            label > 0 && *area >= 24 && 20 * known >= *area && (0.6..1.6).contains(&mean)
+            let sound = label > 0 && *area >= 24 && 20 * known >= *area && (0.5..4.0).contains(&mean);
+            // The factor itself was measured on single pixels: it is the better guess for all but deep shadows.
+            if !sound {
+                0.0
+            } else if mean < 1.4 {
+                1.0
+            } else {
+                mean
+            }
         })
         .collect();
-    bytes(&|i| keep[labels[i] as usize])
+    let data: Vec<f32> = labels.iter().map(|label| powers[*label as usize]).collect();
+    Mat::new_rows_cols_with_data(rows, columns, &data)?.try_clone()
 }
 
 fn brighten(plate: &mut Plate, shadow: &Mat, factor: [f32; 3]) -> opencv::Result<()> {
-    let mut wide = Mat::default();
     let size = plate.picture.size()?;
-    debug_assert_eq!(shadow.typ(), CV_8UC1);
-    imgproc::resize(shadow, &mut wide, size, 0.0, 0.0, imgproc::INTER_LINEAR)?;
+    let (mut binary, mut soft, mut mask, mut powers) =
+        (Mat::default(), Mat::default(), Mat::default(), Mat::default());
+    opencv::core::compare(shadow, &Scalar::all(0.0), &mut binary, opencv::core::CMP_GT)?;
+    imgproc::resize(&binary, &mut soft, size, 0.0, 0.0, imgproc::INTER_LINEAR)?;
+    imgproc::threshold(&soft, &mut mask, 127.0, 255.0, imgproc::THRESH_BINARY)?;
+    imgproc::resize(shadow, &mut powers, size, 0.0, 0.0, imgproc::INTER_NEAREST)?;
+    let powers = powers.data_typed::<f32>()?;
     let edge = (plate.picture.cols() / 200).max(2);
-    let (outer, inner) =
-        (super::hole::grown(&wide_mask(&wide)?, edge)?, super::hole::grown(&wide_mask(&wide)?, -edge)?);
+    let (outer, inner) = (super::hole::grown(&mask, edge)?, super::hole::grown(&mask, -edge)?);
     let (outer, inner) = (outer.data_typed::<u8>()?, inner.data_typed::<u8>()?);
     let (picture, origin) = (plate.picture.data_typed_mut::<Vec3b>()?, plate.origin.data_typed_mut::<u8>()?);
     for (i, (outer, inner)) in outer.iter().zip(inner).enumerate() {
@@ -180,14 +193,8 @@ fn brighten(plate: &mut Plate, shadow: &Mat, factor: [f32; 3]) -> opencv::Result
             continue;
         }
         for (value, factor) in picture[i].0.iter_mut().zip(factor) {
-            *value = (f32::from(*value) * factor).round().min(255.0) as u8;
+            *value = (f32::from(*value) * factor.powf(powers[i])).round().min(255.0) as u8;
         }
     }
     Ok(())
-}
-
-fn wide_mask(soft: &Mat) -> opencv::Result<Mat> {
-    let mut binary = Mat::default();
-    imgproc::threshold(soft, &mut binary, 127.0, 255.0, imgproc::THRESH_BINARY)?;
-    Ok(binary)
 }
