@@ -1,6 +1,9 @@
 //! Whose hand is it: tracklets to left and right.
 
-use super::{detection::Detection, tracklet::Tracklet};
+use super::{
+    detection::{Detection, distance},
+    tracklet::Tracklet,
+};
 use crate::geometry::{PerSide, Side, Size};
 
 /// One hand's detections by frame.
@@ -15,6 +18,10 @@ const TOLERATED_OVERLAP: f64 = 0.25;
 const STUBBORN: f64 = 0.6;
 /// Share of the other hand's size and score above which two hands of one label are taken for a pair.
 const PAIR: f64 = 0.4;
+/// A hand seen again within so many frames …
+const SOON: usize = 12;
+/// … no farther away than this, in hand extents, is the same hand, whatever it is called now.
+const NEARBY: f64 = 0.8;
 
 /// A tracklet with its side.
 struct Placed {
@@ -35,7 +42,8 @@ pub(super) fn assign(tracklets: Vec<Tracklet>, frames: usize, size: Size) -> Per
     let mut placed: Vec<Placed> = Vec::new();
     for (_, tracklet) in ranked {
         let evidence = evidence_for_right(&tracklet, size);
-        let preferred = if evidence >= 0.0 { Side::Right } else { Side::Left };
+        let named = if evidence >= 0.0 { Side::Right } else { Side::Left };
+        let preferred = continued(&placed, &tracklet).unwrap_or(named);
         if is_free(&placed, &tracklet, preferred, None) {
             placed.push(Placed { side: preferred, evidence, tracklet });
         } else if is_free(&placed, &tracklet, preferred.other(), None) {
@@ -55,6 +63,25 @@ pub(super) fn assign(tracklets: Vec<Tracklet>, frames: usize, size: Size) -> Per
         }
     }
     filled(placed, frames)
+}
+
+/// The side of the hand that `tracklet` goes on with: a hand that was out of sight for a moment stays the same
+/// hand, even where the estimator mistakes it for the other one.
+fn continued(placed: &[Placed], tracklet: &Tracklet) -> Option<Side> {
+    let (first, last) = (tracklet.entries.first()?, tracklet.entries.last()?);
+    let near = |earlier: &(usize, Detection), later: &(usize, Detection)| {
+        let soon = later.0 > earlier.0 && later.0 - earlier.0 <= SOON;
+        let distance = distance(&earlier.1.keypoints, &later.1.keypoints);
+        (soon && distance < NEARBY).then_some(distance)
+    };
+    let free = placed.iter().filter(|p| is_free(placed, tracklet, p.side, None));
+    let joints = free.filter_map(|p| {
+        let before = p.tracklet.entries.iter().rfind(|entry| entry.0 < first.0);
+        let after = p.tracklet.entries.iter().find(|entry| entry.0 > last.0);
+        let ends = [before.and_then(|b| near(b, first)), after.and_then(|a| near(last, a))];
+        ends.into_iter().flatten().min_by(f64::total_cmp).map(|distance| (distance, p.side))
+    });
+    joints.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, side)| side)
 }
 
 /// Whether `side` has room for `tracklet`, not counting the one placed at `except`.
@@ -106,8 +133,9 @@ fn weight(tracklet: &Tracklet) -> f64 {
 
 /// Mean evidence a detection: positive for a right hand, negative for a left one, about −1 to 1.
 ///
-/// The estimator's label leads. Where it wavers, so do the weaker signs: in first-person video the
-/// right hand is mostly on the right and its wrist to the right of its knuckles.
+/// The estimator's label leads where it is sure. Where it wavers, the picture decides: in first-person video
+/// an arm comes from below, the right one from the right of its hand, which is mostly on the right itself.
+/// Where arms come from above, the person faces the camera and it is the other way round.
 fn evidence_for_right(tracklet: &Tracklet, size: Size) -> f64 {
     let half = 0.5 * f64::from(size.width);
     let total: f64 = tracklet
@@ -116,9 +144,12 @@ fn evidence_for_right(tracklet: &Tracklet, size: Size) -> f64 {
         .map(|(_, d)| {
             let label = 2.0 * (d.score - 0.5).max(0.05) * if d.side == Side::Right { 1.0 } else { -1.0 };
             let place = ((d.bounds().centre().x - half) / half).clamp(-1.0, 1.0);
-            let wrist =
-                (d.keypoints[0].x - d.keypoints[9].x) / d.keypoints[0].distance(d.keypoints[9]).max(1.0);
-            0.8 * label + 0.1 * place + 0.1 * wrist
+            let [wrist, knuckle] = [d.keypoints[0], d.keypoints[9]];
+            let length = wrist.distance(knuckle).max(1.0);
+            let from_below = (3.0 * (wrist.y - knuckle.y) / length).clamp(-1.0, 1.0);
+            let from_right = (wrist.x - knuckle.x) / length;
+            // A wavering label says little, a sure one much.
+            0.45 * label * label.abs().sqrt() + from_below * (0.24 * place + 0.36 * from_right)
         })
         .sum();
     total / tracklet.entries.len() as f64
@@ -131,7 +162,7 @@ mod tests {
 
     fn tracklet(frames: std::ops::Range<usize>, x: f64, side: Side, score: f64) -> Tracklet {
         let keypoints =
-            std::array::from_fn(|k| Pixel::new(x + 20.0 * (k % 5) as f64, 200.0 + 20.0 * (k / 5) as f64));
+            std::array::from_fn(|k| Pixel::new(x + 6.0 * (k % 5) as f64, 300.0 - 60.0 * (k / 5) as f64));
         let detection = Detection { side, score, keypoints, world: None };
         Tracklet { entries: frames.map(|f| (f, detection.clone())).collect() }
     }
@@ -166,6 +197,35 @@ mod tests {
         let sides = assign(tracklets, 30, Size::new(640, 480));
         let xs = sides.iter().flat_map(|(_, s)| s.iter().flatten().map(|d| d.keypoints[0].x));
         assert!(xs.into_iter().all(|x| x != 300.0));
+    }
+
+    #[test]
+    fn an_arm_from_the_lower_left_outweighs_a_wavering_label() {
+        // Wrist below and left of the knuckles, on the left of the picture, called right with little trust.
+        let mut one = tracklet(0..30, 100.0, Side::Right, 0.7);
+        for (_, detection) in &mut one.entries {
+            detection.keypoints[0] = Pixel::new(80.0, 300.0);
+            detection.keypoints[9] = Pixel::new(150.0, 230.0);
+        }
+        let sides = assign(vec![one.clone()], 30, Size::new(640, 480));
+        assert_eq!(sides.left.iter().flatten().count(), 30);
+        for (_, detection) in &mut one.entries {
+            detection.score = 0.98;
+        }
+        let sides = assign(vec![one], 30, Size::new(640, 480));
+        assert_eq!(sides.right.iter().flatten().count(), 30);
+    }
+
+    #[test]
+    fn a_hand_lost_for_a_moment_stays_itself_under_another_name() {
+        let tracklets = vec![
+            tracklet(0..30, 450.0, Side::Right, 0.95),
+            tracklet(36..44, 460.0, Side::Left, 0.98),
+            tracklet(50..70, 470.0, Side::Right, 0.95),
+        ];
+        let sides = assign(tracklets, 70, Size::new(640, 480));
+        assert_eq!(sides.right.iter().flatten().count(), 58);
+        assert!(sides.left.iter().all(Option::is_none));
     }
 
     #[test]
