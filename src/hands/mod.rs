@@ -14,6 +14,8 @@ mod estimator;
 #[cfg(feature = "engine")]
 mod fit;
 #[cfg(feature = "engine")]
+mod hidden;
+#[cfg(feature = "engine")]
 pub mod import;
 #[cfg(feature = "engine")]
 mod outliers;
@@ -35,4 +37,6 @@ pub use estimate::{EstimateParams, Estimation, estimate};
 pub use estimator::{EstimatorCommand, PROTOCOL};
 #[cfg(feature = "engine")]
 pub use fit::{FitParams, FitScore, fit, score_fit};
+#[cfg(feature = "engine")]
+pub use hidden::{FilledLandmarks, Surroundings, fill_hidden};
 pub use track::{HandFrame, HandState, HandTrack};

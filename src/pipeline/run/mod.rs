@@ -175,22 +175,25 @@ fn understand(
         understand::choose_object(context, session, job, &clip, &seen.landmarks, (&arms, &arms_key))?;
     let (object, object_key) =
         understand::object(context, session, &clip, choice.as_ref(), &seen.landmarks, (&arms, &arms_key))?;
-    // Template, background and motion need nothing of each other, and none of them fills all cores.
+    // The background needs nothing of what leads to the robot's motion, and neither fills all cores.
     let context = &*context;
-    let (template, background, moved) = thread::scope(|scope| {
+    let (background, moved) = thread::scope(|scope| {
         let background = scope
             .spawn(|| understand::background(context, &clip, (&arms, &arms_key), (&object, &object_key)));
-        let moved = scope.spawn(|| {
-            let (hands, hands_key) = move_robot::hands(context, &clip, imported, &seen, &landmark_key)?;
+        let moved = (|| {
+            let (object, arms) = ((&object, &object_key), (&arms, &arms_key));
+            let (template, template_key) =
+                understand::template(context, session, &clip, object, arms, &seen.landmarks)?;
+            let around = move_robot::surroundings(arms.0, template.as_ref());
+            let keys = [&landmark_key, &arms_key, &template_key];
+            let (hands, hands_key) = move_robot::hands(context, &clip, imported, &seen, &around, keys)?;
             let (robot, motion) = move_robot::retarget(context, &hands, &hands_key)?;
-            Ok((hands, robot, motion))
-        });
-        let (object, arms) = ((&object, &object_key), (&arms, &arms_key));
-        let template = understand::template(context, session, &clip, object, arms, &seen.landmarks);
-        (template, joined(background.join()), joined(moved.join()))
+            Ok::<_, ClipFailure>((template, hands, robot, motion))
+        })();
+        (joined(background.join()), moved)
     });
-    // The first stage that failed is told, whichever was first to fail.
-    let ((template, _), background, (hands, robot, motion)) = (template?, background?, moved?);
+    // Where both failed, it is always the same one that is told.
+    let ((template, hands, robot, motion), background) = (moved?, background?);
     Ok(Understood { clip, arms, object, template, background, landmarks: seen, hands, robot, motion, choice })
 }
 

@@ -3,14 +3,17 @@
 use super::context::Context;
 use crate::{
     clip::{FrameSource as _, StandardClip},
+    geometry::PerSide,
     hands::{
-        self, Estimation, FitParams, HandTrack,
+        self, Estimation, FitParams, HandTrack, Surroundings,
         import::{self, ImportParams},
     },
     pipeline::{ClipFailure, ExitCode, Installation, Key, Stage},
     retarget::{self, RetargetParams, RobotMotion},
     robot::RobotModel,
+    segment::{RleMask, arms::ArmTrack},
     session::Document,
+    template::TemplateTrack,
 };
 
 /// The session's imported hand track, where it names one.
@@ -25,17 +28,26 @@ pub(super) fn imported_track(
     Ok(Some(track))
 }
 
+/// What tells where a hidden hand has gone.
+pub(super) fn surroundings(arms: &ArmTrack, template: Option<&TemplateTrack>) -> Surroundings {
+    let arm_area = PerSide::from_fn(|side| arms.sides[side].iter().map(RleMask::area).collect());
+    let placements = template.map_or(&[][..], |template| &template.placements);
+    let object = placements.iter().map(|placement| Some(placement.as_ref()?.transform)).collect();
+    Surroundings { arm_area, object }
+}
+
 /// Metric hands: fitted to the landmarks, or the imported ones as they are.
 pub(super) fn hands(
     context: &Context<'_>,
     clip: &StandardClip,
     imported: Option<HandTrack>,
     seen: &Estimation,
-    landmark_key: &Key,
+    around: &Surroundings,
+    keys: [&Key; 3],
 ) -> Result<(HandTrack, Key), ClipFailure> {
     if let Some(mut track) = imported {
         strike_out(&mut track, &context.document);
-        let key = Key::new(Stage::Hands, &[landmark_key], &"imported")?;
+        let key = Key::new(Stage::Hands, &keys[..1], &"imported")?;
         return Ok((track, key));
     }
     let mut params = FitParams::default();
@@ -45,8 +57,11 @@ pub(super) fn hands(
     let camera = clip.info.intrinsics;
     debug_assert_eq!(camera.size, clip.size());
     let inputs = (&params, camera, &seen.backend);
-    context.cached_stage(Stage::Hands, &[landmark_key], &inputs, ExitCode::Internal, |watch| {
-        hands::fit(&seen.landmarks, &seen.backend, &camera, &params, watch)
+    context.cached_stage(Stage::Hands, &keys, &inputs, ExitCode::Internal, |watch| {
+        let filled = hands::fill_hidden(&seen.landmarks, around);
+        let mut track = hands::fit(&filled.landmarks, &seen.backend, &camera, &params, watch)?;
+        filled.mark(&mut track);
+        Ok::<_, hands::HandsError>(track)
     })
 }
 
