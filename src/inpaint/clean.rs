@@ -14,6 +14,7 @@ use super::{
     FrameCoverage, InpaintError, InpaintParams, InpaintReport,
     cast::{Ground, Shadow, cast_shadow},
     fill::grown_rect,
+    moved::MovedColours,
     plate::{self, Plate, SEEN, SYNTHESISED, close_offset, with_offset},
     scene::{Loaded, Scene},
     survey::Survey,
@@ -207,10 +208,12 @@ struct PlateView<'a> {
     warp: Warp,
     /// What to add to the plate's colours, in cells.
     offset: Mat,
-    /// CV_8UC3 at the frame's work scale: the plate in its own colours.
+    /// CV_8UC3 at the frame's work scale: the plate in the frame's colours.
     colour: Mat,
     /// CV_8UC1 at the frame's work scale: 255 where the plate was really seen.
     shown: Mat,
+    /// Colours of what stands elsewhere on this frame.
+    moved: MovedColours,
     full: Size,
 }
 
@@ -232,29 +235,34 @@ impl<'a> PlateView<'a> {
             Some(warp) => warp,
             None => Warp::along(&guess, loaded.view.scale, plate.view.scale),
         };
+        let scale = loaded.view.scale;
         let (colour, shown) = warp.draw_work(&plate.view)?;
         let offset = close_offset(&loaded.view, &colour, &shown, scene.params)?;
-        Ok(Some(Self { plate, weight, warp, offset, colour, shown, full: loaded.view.scale.full }))
+        let whole = Rect::new(0, 0, scale.work.width as i32, scale.work.height as i32);
+        let colour = with_offset(&colour, &offset, scale.work, whole)?;
+        let mut both = Mat::default();
+        opencv::core::bitwise_and_def(&shown, &loaded.view.valid, &mut both)?;
+        let moved = MovedColours::between(&loaded.view, &colour, &both, scene.params.change_limit)?;
+        Ok(Some(Self { plate, weight, warp, offset, colour, shown, moved, full: scale.full }))
     }
 
     /// The part `region` of the plate, in the frame's colours.
     fn draw(&self, region: Rect) -> opencv::Result<Part> {
         let picture = self.warp.draw(&self.plate.picture, region, imgproc::INTER_CUBIC, None)?;
         let nothing = Some(Scalar::all(0.0));
-        let origin = self.warp.draw(&self.plate.origin, region, imgproc::INTER_NEAREST, nothing)?;
+        let mut origin = self.warp.draw(&self.plate.origin, region, imgproc::INTER_NEAREST, nothing)?;
         let picture = with_offset(&picture, &self.offset, self.full, region)?;
+        self.moved.take_out(&picture, &mut origin)?;
         Ok(Part { picture, origin, weight: self.weight })
     }
 
     /// The shadow beside the hole.
     fn shadow(&self, loaded: &Loaded, params: &InpaintParams) -> opencv::Result<Option<Shadow>> {
         let scale = loaded.view.scale;
-        let whole = Rect::new(0, 0, scale.work.width as i32, scale.work.height as i32);
-        let plate = with_offset(&self.colour, &self.offset, scale.work, whole)?;
         let (hole, object) = (scale.shrink(&loaded.hole)?, scale.shrink(&loaded.core)?);
         let ground = Ground {
             frame: &loaded.view.colour,
-            plate: &plate,
+            plate: &self.colour,
             shown: &self.shown,
             hole: &hole,
             object: &object,

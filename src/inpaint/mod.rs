@@ -12,6 +12,7 @@ mod error;
 mod fill;
 mod gather;
 mod hole;
+mod moved;
 mod params;
 mod plate;
 mod report;

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::{
     InpaintError, InpaintParams, fill,
     gather::{Canvas, choose_sources, needed_cells},
+    moved::MovedColours,
     scene::{Loaded, Scene},
     shadow::{LitGround, far_ground, lift},
     survey::{CELL, Survey},
@@ -200,6 +201,8 @@ fn draw_source(
     let mut changed = Mat::default();
     opencv::core::compare(&change, &Scalar::all(0.5), &mut changed, opencv::core::CMP_GT)?;
     valid.set_to(&Scalar::all(0.0), &changed)?;
+    let moved = MovedColours::between(&plate.view, &colour, &both, params.change_limit)?;
+    moved.take_out(&picture, &mut valid)?;
     let far = warp.draw_work_mask(&far_ground(&source.view)?, source.view.scale)?;
     Ok(Some(Drawn { picture, valid, far }))
 }
@@ -488,12 +491,16 @@ fn inherit(
     };
     let picture = warp.draw(&previous.picture, region, imgproc::INTER_CUBIC, None)?;
     let origin = warp.draw(&previous.origin, region, imgproc::INTER_NEAREST, Some(Scalar::all(0.0)))?;
+    let (colour, shown) = warp.draw_work(&previous.view)?;
+    let mut both = Mat::default();
+    opencv::core::bitwise_and_def(&shown, &plate.view.valid, &mut both)?;
+    let moved = MovedColours::between(&plate.view, &colour, &both, params.change_limit)?;
     let columns = plate.picture.cols() as usize;
     let (colours, kinds) = (picture.data_typed::<Vec3b>()?, origin.data_typed::<u8>()?);
     let (to, to_origin) = (plate.picture.data_typed_mut::<Vec3b>()?, plate.origin.data_typed_mut::<u8>()?);
     for (pixel, filled) in samples.pixels.iter().zip(&samples.filled) {
         let pixel = *pixel as usize;
-        if *filled == 0 && kinds[pixel] != UNKNOWN {
+        if *filled == 0 && kinds[pixel] != UNKNOWN && !moved.contains(colours[pixel].0) {
             let (x, y) = (pixel % region.width as usize, pixel / region.width as usize);
             let at = (region.y as usize + y) * columns + region.x as usize + x;
             to[at] = colours[pixel];
