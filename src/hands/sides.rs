@@ -22,6 +22,9 @@ const PAIR: f64 = 0.4;
 const SOON: usize = 12;
 /// … no farther away than this, in hand extents, is the same hand, whatever it is called now.
 const NEARBY: f64 = 0.8;
+/// Detections and evidence a detection from which a tracklet is not talked out of its side.
+const LONG: usize = 15;
+const CERTAIN: f64 = 0.35;
 
 /// A tracklet with its side.
 struct Placed {
@@ -37,13 +40,12 @@ struct Placed {
 /// with less evidence for it takes the other side, even if it was placed first.
 pub(super) fn assign(tracklets: Vec<Tracklet>, frames: usize, size: Size) -> PerSide<SideDetections> {
     let mut ranked: Vec<(f64, Tracklet)> =
-        tracklets.into_iter().filter(is_credible).map(|t| (weight(&t), t)).collect();
+        joined(tracklets, size).into_iter().filter(is_credible).map(|t| (weight(&t), t)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.entries[0].0.cmp(&b.1.entries[0].0)));
     let mut placed: Vec<Placed> = Vec::new();
     for (_, tracklet) in ranked {
         let evidence = evidence_for_right(&tracklet, size);
-        let named = if evidence >= 0.0 { Side::Right } else { Side::Left };
-        let preferred = continued(&placed, &tracklet).unwrap_or(named);
+        let preferred = if evidence >= 0.0 { Side::Right } else { Side::Left };
         if is_free(&placed, &tracklet, preferred, None) {
             placed.push(Placed { side: preferred, evidence, tracklet });
         } else if is_free(&placed, &tracklet, preferred.other(), None) {
@@ -65,23 +67,33 @@ pub(super) fn assign(tracklets: Vec<Tracklet>, frames: usize, size: Size) -> Per
     filled(placed, frames)
 }
 
-/// The side of the hand that `tracklet` goes on with: a hand that was out of sight for a moment stays the same
-/// hand, even where the estimator mistakes it for the other one.
-fn continued(placed: &[Placed], tracklet: &Tracklet) -> Option<Side> {
-    let (first, last) = (tracklet.entries.first()?, tracklet.entries.last()?);
-    let near = |earlier: &(usize, Detection), later: &(usize, Detection)| {
-        let soon = later.0 > earlier.0 && later.0 - earlier.0 <= SOON;
-        let distance = distance(&earlier.1.keypoints, &later.1.keypoints);
-        (soon && distance < NEARBY).then_some(distance)
-    };
-    let free = placed.iter().filter(|p| is_free(placed, tracklet, p.side, None));
-    let joints = free.filter_map(|p| {
-        let before = p.tracklet.entries.iter().rfind(|entry| entry.0 < first.0);
-        let after = p.tracklet.entries.iter().find(|entry| entry.0 > last.0);
-        let ends = [before.and_then(|b| near(b, first)), after.and_then(|a| near(last, a))];
-        ends.into_iter().flatten().min_by(f64::total_cmp).map(|distance| (distance, p.side))
-    });
-    joints.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, side)| side)
+/// Tracklets that go on with one another made one: a hand that was out of sight for a moment stays the same hand,
+/// even where the estimator mistakes it for the other one, and all of it tells its side.
+///
+/// Two long ones that are both sure of opposite sides are two hands.
+fn joined(mut tracklets: Vec<Tracklet>, size: Size) -> Vec<Tracklet> {
+    tracklets.sort_by_key(|tracklet| tracklet.entries[0].0);
+    let mut hands: Vec<Tracklet> = Vec::new();
+    for tracklet in tracklets {
+        let goes_on = |hand: &Tracklet| {
+            let (end, start) = (hand.entries.last()?, tracklet.entries.first()?);
+            let soon = start.0 > end.0 && start.0 - end.0 <= SOON;
+            let distance = distance(&end.1.keypoints, &start.1.keypoints);
+            (soon && distance < NEARBY && !contradict(hand, &tracklet, size)).then_some(distance)
+        };
+        let nearest = hands.iter().enumerate().filter_map(|(at, hand)| Some((goes_on(hand)?, at)));
+        match nearest.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((_, at)) => hands[at].entries.extend(tracklet.entries),
+            None => hands.push(tracklet),
+        }
+    }
+    hands
+}
+
+fn contradict(a: &Tracklet, b: &Tracklet, size: Size) -> bool {
+    let (on_a, on_b) = (evidence_for_right(a, size), evidence_for_right(b, size));
+    let long = a.entries.len().min(b.entries.len()) >= LONG;
+    long && on_a * on_b < 0.0 && on_a.abs().min(on_b.abs()) > CERTAIN
 }
 
 /// Whether `side` has room for `tracklet`, not counting the one placed at `except`.
