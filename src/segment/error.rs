@@ -15,6 +15,14 @@ pub enum SegmentError {
     /// Image processing failed.
     #[error("image processing failed while making masks: {0}")]
     Vision(#[from] opencv::Error),
+    /// The scratch file failed.
+    #[error("the scratch file for mask making in {} failed: {source}; is the disk full?", path.display())]
+    Scratch {
+        /// Its folder.
+        path: std::path::PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

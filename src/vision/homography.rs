@@ -50,6 +50,9 @@ impl BackgroundMotion {
 /// Features in pixels; pairs (first, second).
 type Pairs = (Vector<Point2f>, Vector<Point2f>);
 
+/// Features that [`background_motion`] looks for at most.
+const MOST_FEATURES: i32 = 600;
+
 /// The homography of the background from `first` to `second` (CV_8UC1, one size): Shi-Tomasi
 /// features outside `exclude` (CV_8UC1, non-zero where actors or objects are in `first`), tracked
 /// by pyramidal Lucas-Kanade there and back, fitted by seeded RANSAC at 2 px.
@@ -63,7 +66,20 @@ pub fn background_motion(
     second: &Mat,
     exclude: Option<&Mat>,
 ) -> opencv::Result<Option<BackgroundMotion>> {
-    let (from, to) = tracked_features(first, second, exclude)?;
+    background_motion_from(first, second, exclude, MOST_FEATURES)
+}
+
+/// As [`background_motion`], from `most` features: fewer are faster.
+///
+/// # Errors
+/// When the pictures do not match or OpenCV fails.
+pub fn background_motion_from(
+    first: &Mat,
+    second: &Mat,
+    exclude: Option<&Mat>,
+    most: i32,
+) -> opencv::Result<Option<BackgroundMotion>> {
+    let (from, to) = tracked_features(first, second, exclude, most)?;
     if from.len() < 12 {
         return Ok(None);
     }
@@ -88,14 +104,14 @@ pub fn background_motion(
     Ok(finite.then_some(BackgroundMotion { homography, inlier_share, inliers }))
 }
 
-fn tracked_features(first: &Mat, second: &Mat, exclude: Option<&Mat>) -> opencv::Result<Pairs> {
+fn tracked_features(first: &Mat, second: &Mat, exclude: Option<&Mat>, most: i32) -> opencv::Result<Pairs> {
     let mut allowed = Mat::default();
     if let Some(exclude) = exclude {
         opencv::core::compare(exclude, &Scalar::all(0.0), &mut allowed, opencv::core::CMP_EQ)?;
     }
     let mut corners = Vector::<Point2f>::new();
     let spacing = (f64::from(first.cols()) / 64.0).max(4.0);
-    imgproc::good_features_to_track(first, &mut corners, 600, 0.005, spacing, &allowed, 5, false, 0.04)?;
+    imgproc::good_features_to_track(first, &mut corners, most, 0.005, spacing, &allowed, 5, false, 0.04)?;
     if corners.is_empty() {
         return Ok((Vector::new(), Vector::new()));
     }

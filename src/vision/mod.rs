@@ -25,7 +25,7 @@ pub use colour_model::{ColourModel, log_odds};
 pub use flow::{Flow, FlowQuality, dense_flow};
 pub use guided::refine_edges;
 pub use histogram::LabHistogram;
-pub use homography::{BackgroundMotion, background_motion};
+pub use homography::{BackgroundMotion, background_motion, background_motion_from};
 pub use plane::Plane;
 pub use registration::{Registration, View, Warp, colour_offset, enlarged_part, scene_change, to_full_size};
 pub use scale::{WorkScale, single_threaded};

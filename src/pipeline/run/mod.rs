@@ -170,7 +170,7 @@ fn understand(
     let clip_key = Key::new(Stage::Clip, &[], &table)?;
     let imported = move_robot::imported_track(context, &clip)?;
     let (seen, landmark_key) = understand::landmarks(context, &clip, imported.as_ref(), &clip_key)?;
-    let (arms, arms_key) = understand::arms(context, session, &clip, &seen.landmarks, &landmark_key)?;
+    let (arms, arms_key) = understand::arms(context, session, job, &clip, &seen.landmarks, &landmark_key)?;
     let choice =
         understand::choose_object(context, session, job, &clip, &seen.landmarks, (&arms, &arms_key))?;
     let (object, object_key) =

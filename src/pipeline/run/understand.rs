@@ -18,7 +18,7 @@ use crate::{
     pipeline::{ClipFailure, ClipJob, ExitCode, Key, Stage},
     segment::{
         MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask, SegmentError,
-        arms::{self, ArmParams, ArmTrack},
+        arms::{self, ArmInputs, ArmParams, ArmTrack, HandledObject},
         object::{self, ObjectParams, ObjectPrompt, PromptKind},
     },
     select::{self, SelectParams},
@@ -79,6 +79,7 @@ fn landmarks_of(track: &HandTrack) -> LandmarkTrack {
 pub(super) fn arms(
     context: &Context<'_>,
     session: &Session,
+    job: &ClipJob,
     clip: &StandardClip,
     landmarks: &LandmarkTrack,
     landmark_key: &Key,
@@ -86,10 +87,44 @@ pub(super) fn arms(
     let human =
         human_masks(&context.document, &session.masks(), MaskLayer::Arms, clip.size(), clip.frame_count())?;
     let params = ArmParams::default();
-    let inputs = (&params, human.iter().collect::<Vec<_>>());
+    let object = handled_object(context, job, clip)?;
+    let stated = object.map(|object| (object.frame, object.bounds));
+    let inputs = (&params, human.iter().collect::<Vec<_>>(), stated);
     context.cached_stage(Stage::Arms, &[landmark_key], &inputs, ExitCode::Internal, |watch| {
-        arms::track_arms(clip, landmarks, &human, &params, watch)
+        let scratch = context.cache.folder();
+        let inputs = ArmInputs { frames: clip, landmarks, human: &human, object, scratch };
+        arms::track_arms(&inputs, &params, watch)
     })
+}
+
+/// The object as somebody pointed at it with a box; proposals come later, and are made from the arms.
+fn handled_object(
+    context: &Context<'_>,
+    job: &ClipJob,
+    clip: &StandardClip,
+) -> Result<Option<HandledObject>, ClipFailure> {
+    let Some(choice) = stated_object(context, job, clip)? else { return Ok(None) };
+    Ok(match choice.prompt {
+        ObjectPromptKind::Box(bounds) => Some(HandledObject { frame: choice.frame, bounds }),
+        ObjectPromptKind::Points { .. } => None,
+    })
+}
+
+/// The object as a person or the manifest stated it; the person's word counts more.
+fn stated_object(
+    context: &Context<'_>,
+    job: &ClipJob,
+    clip: &StandardClip,
+) -> Result<Option<ObjectChoice>, ClipFailure> {
+    let by_human = context.document.object.as_ref().is_some_and(|object| object.author == Author::Human);
+    match &job.object {
+        Some(raw) if !by_human => {
+            Ok(Some(standard_prompt(raw, &clip.info).map_err(|failure| failure.in_stage(Stage::Select))?))
+        }
+        _ => {
+            Ok(context.document.object.clone().filter(|object| !matches!(object.author, Author::Machine(_))))
+        }
+    }
 }
 
 /// The object: the person's or the manifest's, else the best proposal, which asks for a review.
@@ -101,13 +136,7 @@ pub(super) fn choose_object(
     landmarks: &LandmarkTrack,
     arms: (&ArmTrack, &Key),
 ) -> Result<Option<ObjectChoice>, ClipFailure> {
-    let by_human = context.document.object.as_ref().is_some_and(|object| object.author == Author::Human);
-    let wanted = match &job.object {
-        Some(raw) if !by_human => {
-            Some(standard_prompt(raw, &clip.info).map_err(|failure| failure.in_stage(Stage::Select))?)
-        }
-        _ => context.document.object.clone().filter(|object| !matches!(object.author, Author::Machine(_))),
-    };
+    let wanted = stated_object(context, job, clip)?;
     if let Some(object) = wanted {
         if context.document.object.as_ref() != Some(&object) {
             let author = object.author.clone();

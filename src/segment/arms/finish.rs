@@ -9,15 +9,21 @@ use opencv::{
 use rayon::prelude::*;
 
 use super::{
-    ArmTrack, Clip, WorkMasks, decode, dropout::side_part, encode, gaps, runs, work_frame::WorkFrame,
+    ArmTrack, Clip, WorkMask, decode,
+    edges::EdgeLine,
+    encode,
+    scratch::Towards,
+    shape::{HandShape, nearer},
 };
 use crate::{
     clip::FrameIndex,
     geometry::{PerSide, Side},
-    image::Rgb8,
     segment::{MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask, SegmentError},
-    vision::{FlowQuality, binary, dense_flow, refine_edges},
+    vision::binary,
 };
+
+/// Frames over which a side that is not seen now is told by where its hand was.
+const SIDE_MEMORY: usize = 45;
 
 /// A frame's finished masks.
 struct Finished {
@@ -25,18 +31,22 @@ struct Finished {
     sides: PerSide<RleMask>,
 }
 
-pub(super) fn finished(clip: &Clip<'_>, masks: Vec<WorkMasks>) -> Result<ArmTrack, SegmentError> {
-    let unions = masks.iter().map(|masks| union(clip, masks)).collect::<Result<Vec<_>, SegmentError>>()?;
-    let unions = gaps::closed(&unions)?;
-    let areas: Vec<u64> = unions.iter().map(RleMask::area).collect();
-    let done = AtomicUsize::new(clip.count());
-    let finished = runs(clip.count())
+pub(super) fn finished(clip: &Clip<'_>, masks: &[WorkMask]) -> Result<ArmTrack, SegmentError> {
+    let areas: Vec<u64> = masks.iter().map(|mask| mask.mask.as_ref().map_or(0, RleMask::area)).collect();
+    let done = AtomicUsize::new(2 * clip.count());
+    let finished = (0..clip.count())
         .into_par_iter()
-        .map(|run| finish_run(clip, &masks, &unions, &areas, run, &done))
+        .map(|index| {
+            clip.watch.check()?;
+            let finished = finish(clip, masks, &areas, index)?;
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            clip.watch.advance(done, 3 * clip.count());
+            Ok(finished)
+        })
         .collect::<Result<Vec<_>, SegmentError>>()?;
     let mut sides: PerSide<Vec<RleMask>> = PerSide::default();
     let mut frames = Vec::with_capacity(finished.len());
-    for one in finished.into_iter().flatten() {
+    for one in finished {
         sides.left.push(one.sides.left);
         sides.right.push(one.sides.right);
         frames.push(one.frame);
@@ -45,67 +55,26 @@ pub(super) fn finished(clip: &Clip<'_>, masks: Vec<WorkMasks>) -> Result<ArmTrac
     Ok(ArmTrack { union, sides })
 }
 
-/// All of a frame's work masks together.
-fn union(clip: &Clip<'_>, masks: &WorkMasks) -> Result<RleMask, SegmentError> {
-    let mut all = match &masks.own {
-        Some(own) => decode(own)?,
-        None => binary::empty(clip.scale.work.height as i32, clip.scale.work.width as i32)?,
-    };
-    for carried in [&masks.carried.left, &masks.carried.right].into_iter().flatten() {
-        all = binary::map2(&all, &decode(carried)?, |a, b| a | b)?;
-    }
-    Ok(encode(&all)?)
-}
-
-/// A run of frames, each read once.
-fn finish_run(
-    clip: &Clip<'_>,
-    masks: &[WorkMasks],
-    unions: &[RleMask],
-    areas: &[u64],
-    run: std::ops::Range<usize>,
-    done: &AtomicUsize,
-) -> Result<Vec<Finished>, SegmentError> {
-    let read = |index: usize| WorkFrame::read(clip.frames, FrameIndex(index as u32), &clip.scale);
-    let mut before = run.start.checked_sub(1).map(read).transpose()?;
-    let mut current = Some(read(run.start)?);
-    let mut finished = Vec::with_capacity(run.len());
-    for index in run {
-        clip.watch.check()?;
-        let after = if index + 1 < clip.count() { Some(read(index + 1)?) } else { None };
-        let Some((frame, picture)) = current.take() else { break };
-        let neighbours = [
-            neighbour(&frame, before.as_ref().map(|(f, _)| f), unions, index.wrapping_sub(1))?,
-            neighbour(&frame, after.as_ref().map(|(f, _)| f), unions, index + 1)?,
-        ];
-        finished.push(finish(clip, &masks[index], unions, areas, (index, &picture, neighbours))?);
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        clip.watch.advance(done, 2 * clip.count());
-        before = Some((frame, picture));
-        current = after;
-    }
-    Ok(finished)
-}
-
-/// A neighbour's mask carried onto `frame` along the flow; `None` beyond the clip's ends.
+/// A neighbour's mask carried onto frame `index` along the flow; `None` beyond the clip's ends.
 fn neighbour(
-    frame: &WorkFrame,
-    other: Option<&WorkFrame>,
-    unions: &[RleMask],
+    clip: &Clip<'_>,
+    masks: &[WorkMask],
     index: usize,
+    towards: Towards,
 ) -> Result<Option<Mat>, SegmentError> {
+    let other = match towards {
+        Towards::Before => index.checked_sub(1),
+        Towards::After => Some(index + 1).filter(|other| *other < masks.len()),
+    };
     let Some(other) = other else { return Ok(None) };
-    let mask = decode(&unions[index])?;
-    if binary::area(&mask)? == 0 {
-        return Ok(Some(mask));
+    match &masks[other].mask {
+        Some(mask) => Ok(Some(clip.scratch.pulled(index, towards, &decode(mask)?)?)),
+        None => Ok(Some(binary::empty(clip.scale.work.height as i32, clip.scale.work.width as i32)?)),
     }
-    let flow = dense_flow(&frame.grey, &other.grey, FlowQuality::Fast)?;
-    Ok(Some(flow.pull(&mask)?))
 }
 
 /// The median of the mask and its neighbours carried here, and its IoU with them.
-fn steadied(own: &RleMask, neighbours: [Option<Mat>; 2]) -> Result<(Mat, f64), SegmentError> {
-    let own = decode(own)?;
+fn steadied(own: Mat, neighbours: [Option<Mat>; 2]) -> Result<(Mat, f64), SegmentError> {
     let [Some(before), Some(after)] = neighbours else { return Ok((own, 1.0)) };
     let agreed = binary::map2(&before, &after, |a, b| if a > 127 && b > 127 { 255 } else { 0 })?;
     let either = binary::map2(&before, &after, |a, b| if a > 127 || b > 127 { 255 } else { 0 })?;
@@ -116,19 +85,30 @@ fn steadied(own: &RleMask, neighbours: [Option<Mat>; 2]) -> Result<(Mat, f64), S
 
 fn finish(
     clip: &Clip<'_>,
-    masks: &WorkMasks,
-    unions: &[RleMask],
+    masks: &[WorkMask],
     areas: &[u64],
-    (index, picture, neighbours): (usize, &Rgb8, [Option<Mat>; 2]),
+    index: usize,
 ) -> Result<Finished, SegmentError> {
-    let (steady, overlap) = steadied(&unions[index], neighbours)?;
-    let work_sides = split(clip, masks, &steady, index)?;
     let human = clip.human.get(&FrameIndex(index as u32));
-    let picture = picture.to_mat()?;
+    let nearby = index.saturating_sub(1)..(index + 2).min(masks.len());
+    if human.is_none() && masks[nearby].iter().all(|mask| mask.mask.is_none()) {
+        let empty = RleMask::empty(clip.frames.size());
+        let flags = vec![MaskFlag::Lost];
+        let frame = MaskFrame { mask: empty.clone(), author: MaskAuthor::Propagated, score: 0.0, flags };
+        return Ok(Finished { frame, sides: PerSide { left: empty.clone(), right: empty } });
+    }
+    let neighbours =
+        [neighbour(clip, masks, index, Towards::Before)?, neighbour(clip, masks, index, Towards::After)?];
+    let own = match &masks[index].mask {
+        Some(own) => decode(own)?,
+        None => binary::empty(clip.scale.work.height as i32, clip.scale.work.width as i32)?,
+    };
+    let (steady, overlap) = steadied(own, neighbours)?;
     let full = match human {
         Some(mask) => decode(mask)?,
-        None => full_size(clip, &picture, &steady)?,
+        None => full_size(clip, index, &steady)?,
     };
+    let work_sides = split(clip, &steady, index)?;
     let sides = PerSide {
         left: full_side(clip, &full, &work_sides.left)?,
         right: full_side(clip, &full, &work_sides.right)?,
@@ -138,46 +118,54 @@ fn finish(
 }
 
 /// Enlarged with edges that follow the full-size picture, only around the mask.
-fn full_size(clip: &Clip<'_>, picture: &Mat, steady: &Mat) -> opencv::Result<Mat> {
-    let (fx, _) = clip.scale.factors();
+fn full_size(clip: &Clip<'_>, index: usize, steady: &Mat) -> Result<Mat, SegmentError> {
+    let full = clip.frames.size();
+    let mut out = binary::empty(full.height as i32, full.width as i32)?;
     let bounds = imgproc::bounding_rect(steady)?;
-    let mut full = binary::empty(picture.rows(), picture.cols())?;
     if bounds.width == 0 {
-        return Ok(full);
+        return Ok(out);
     }
-    let large = clip.scale.enlarge(steady)?;
+    let picture = clip.frames.frame(FrameIndex(index as u32))?.to_mat()?;
+    let line = EdgeLine::fitted(&clip.scratch.grey(index)?, steady)?;
+    let (fx, fy) = clip.scale.factors();
     let margin = (6.0 / fx).ceil() as i32;
-    let scaled = |v: i32| (f64::from(v) / fx).floor() as i32;
     let roi = opencv::core::Rect::new(
-        scaled(bounds.x) - margin,
-        scaled(bounds.y) - margin,
-        scaled(bounds.width) + 2 * margin,
-        scaled(bounds.height) + 2 * margin,
+        (f64::from(bounds.x) / fx).floor() as i32 - margin,
+        (f64::from(bounds.y) / fy).floor() as i32 - margin,
+        (f64::from(bounds.width) / fx).floor() as i32 + 2 * margin,
+        (f64::from(bounds.height) / fy).floor() as i32 + 2 * margin,
     ) & opencv::core::Rect::new(0, 0, picture.cols(), picture.rows());
-    let (crop, coarse) = (picture.roi(roi)?.try_clone()?, large.roi(roi)?.try_clone()?);
-    let radius = (2.5 / fx).round().max(2.0) as i32;
-    let soft = refine_edges(&crop, &coarse, radius, 1e-4)?;
-    let sharp = binary::map2(&soft, &soft, |value, _| if value > 110 { 255 } else { 0 })?;
+    let mut grey = Mat::default();
+    imgproc::cvt_color(&picture.roi(roi)?.try_clone()?, &mut grey, imgproc::COLOR_RGB2GRAY, 0)?;
+    let sharp = line.drawn(&grey, (roi.x, roi.y), clip)?;
     let grown = binary::dilated(&sharp, clip.params.grow)?;
-    let mut target = opencv::prelude::MatTrait::roi_mut(&mut full, roi)?;
+    let mut target = opencv::prelude::MatTrait::roi_mut(&mut out, roi)?;
     grown.copy_to(&mut target)?;
     drop(target);
-    Ok(full)
+    Ok(out)
 }
 
-/// The steady mask by side at work scale.
-fn split(clip: &Clip<'_>, masks: &WorkMasks, steady: &Mat, index: usize) -> opencv::Result<PerSide<Mat>> {
-    let part = |side: Side| -> opencv::Result<Mat> {
-        let hands = &clip.sides[index];
-        if hands[side].is_some() {
-            return side_part(steady, hands, side);
+/// A side's hand on frame `index`, or where it was last or will be next.
+fn hand_around<'c>(clip: &'c Clip<'_>, index: usize, side: Side) -> Option<&'c HandShape> {
+    let near = (0..=SIDE_MEMORY).flat_map(|d| [index.checked_sub(d), Some(index + d)]);
+    near.flatten().find_map(|index| clip.sides.get(index)?[side].as_ref())
+}
+
+/// The steady mask by side at work scale: each pixel to the hand and forearm that it is nearer to.
+fn split(clip: &Clip<'_>, steady: &Mat, index: usize) -> opencv::Result<PerSide<Mat>> {
+    let (left, right) = (hand_around(clip, index, Side::Left), hand_around(clip, index, Side::Right));
+    let nothing = || binary::empty(steady.rows(), steady.cols());
+    Ok(match (left, right) {
+        (Some(left), Some(right)) => {
+            let (to_left, to_right) = (left.distances(steady)?, right.distances(steady)?);
+            let left = nearer(steady, &to_left, &to_right)?;
+            let right = binary::map2(steady, &left, |all, left| all & !left)?;
+            PerSide { left, right }
         }
-        match &masks.carried[side] {
-            Some(carried) => binary::map2(&decode(carried)?, steady, |a, b| a & b),
-            None => binary::empty(steady.rows(), steady.cols()),
-        }
-    };
-    Ok(PerSide { left: part(Side::Left)?, right: part(Side::Right)? })
+        (Some(_), None) => PerSide { left: steady.try_clone()?, right: nothing()? },
+        (None, Some(_)) => PerSide { left: nothing()?, right: steady.try_clone()? },
+        (None, None) => PerSide { left: nothing()?, right: nothing()? },
+    })
 }
 
 fn full_side(clip: &Clip<'_>, full: &Mat, side: &Mat) -> opencv::Result<RleMask> {
@@ -188,7 +176,7 @@ fn full_side(clip: &Clip<'_>, full: &Mat, side: &Mat) -> opencv::Result<RleMask>
 
 fn judged(
     clip: &Clip<'_>,
-    masks: &WorkMasks,
+    masks: &[WorkMask],
     full: &Mat,
     steady: &Mat,
     overlap: f64,
@@ -199,7 +187,8 @@ fn judged(
         return Ok(MaskFrame { mask, author: MaskAuthor::Human, score: 1.0, flags: Vec::new() });
     }
     let mut flags = Vec::new();
-    let mut score = if masks.own.is_some() { 1.0 } else { 0.97_f64.powi(masks.distance as i32) };
+    let distance = (0..masks.len()).find(|distance| seen_at(masks, index, *distance));
+    let mut score = 0.97_f64.powi(distance.unwrap_or(90) as i32);
     let before = index.checked_sub(1).map(|before| areas[before] as f64);
     if before.is_some_and(|before| before > 0.0 && !(0.6..=1.6).contains(&(areas[index] as f64 / before))) {
         flags.push(MaskFlag::AreaJump);
@@ -219,8 +208,13 @@ fn judged(
         flags.push(MaskFlag::Lost);
         score = 0.0;
     }
-    let author = if masks.own.is_some() { MaskAuthor::Seeded } else { MaskAuthor::Propagated };
+    let author = if masks[index].seen { MaskAuthor::Seeded } else { MaskAuthor::Propagated };
     Ok(MaskFrame { mask, author, score, flags })
+}
+
+fn seen_at(masks: &[WorkMask], index: usize, distance: usize) -> bool {
+    let seen = |index: usize| masks.get(index).is_some_and(|mask| mask.seen);
+    index.checked_sub(distance).is_some_and(seen) || seen(index + distance)
 }
 
 fn touches_border(mask: &Mat) -> opencv::Result<bool> {

@@ -1,34 +1,75 @@
 //! Learns the clip's colours: from skeletons first, then from the masks themselves.
 
-use opencv::core::{Mat, MatTraitConst};
+use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual};
 use rayon::prelude::*;
 
 use super::{
-    Clip,
-    colour::ColourModel,
-    cut::{cut_frame, sleeve_to_learn},
+    Clip, HandledObject,
+    colour::{ColourModel, Tables},
+    cut::{SURELY_BACKGROUND, cut_frame, grip, sleeve_to_learn},
     plate::UNKNOWN,
+    scratch::Layer,
     work_frame::WorkFrame,
 };
-use crate::{clip::FrameIndex, segment::SegmentError, vision::binary};
+use crate::{
+    geometry::Pixel,
+    segment::SegmentError,
+    vision::{LabHistogram, binary},
+};
 
-/// Frames with all hands seen that are enough to learn from.
-const ENOUGH_WHOLE_FRAMES: usize = 10;
+/// Frames with all hands seen that are enough to learn the background from.
+const ENOUGH_WHOLE_FRAMES: usize = 6;
+/// Object pixels that are enough to know its colours.
+const ENOUGH_OBJECT_PIXELS: f64 = 25.0;
+/// P(object | colour) from which a pixel under a skeleton is the object's.
+const OBJECT: u8 = 150;
 
-/// Frames to learn from: those with hands or human masks, evenly spread.
+/// What is known of the clip's colours.
+#[derive(Clone, Debug)]
+pub(super) struct Learned {
+    /// From the last round.
+    pub tables: Tables,
+    /// P(arm | colour) from skeletons alone.
+    pub skin: Vec<u8>,
+}
+
+impl Learned {
+    /// Pixels of `frame` that have the handled object's colours, if it is known.
+    pub fn object(&self, frame: &WorkFrame) -> opencv::Result<Option<Mat>> {
+        let Some(table) = &self.tables.object else { return Ok(None) };
+        let seen = frame.posterior(table)?;
+        binary::map2(&seen, &seen, |p, _| if p > OBJECT { 255 } else { 0 }).map(Some)
+    }
+}
+
+/// Frames to learn from: half of them with all hands seen, half with any hand or human mask, evenly spread.
 pub(super) fn training_frames(clip: &Clip<'_>) -> Vec<usize> {
     let usable: Vec<usize> =
         (0..clip.count()).filter(|i| !clip.hands[*i].is_empty() || clip.human_mask(*i).is_some()).collect();
-    // A hand that the estimator missed would teach the background its sleeve.
     let whole: Vec<usize> =
         usable.iter().copied().filter(|i| clip.hands[*i].len() == clip.most_hands).collect();
-    let usable = if whole.len() >= ENOUGH_WHOLE_FRAMES { whole } else { usable };
-    let stride = usable.len().div_ceil(clip.params.training_frames.max(1)).max(1);
-    let mut chosen: Vec<usize> = usable.iter().copied().skip(stride / 2).step_by(stride).collect();
+    let half = clip.params.training_frames.div_ceil(2).max(1);
+    let spread = |from: &[usize]| -> Vec<usize> {
+        let stride = from.len().div_ceil(half).max(1);
+        from.iter().copied().skip(stride / 2).step_by(stride).collect()
+    };
+    let mut chosen = spread(&whole);
+    chosen.extend(spread(&usable));
     chosen.extend(clip.human.keys().map(|frame| frame.as_usize()));
     chosen.sort_unstable();
     chosen.dedup();
     chosen
+}
+
+/// Those of the `chosen` frames that may teach the background: a hand that the estimator missed would teach
+/// it skin and sleeve.
+fn whole_frames(clip: &Clip<'_>, chosen: &[usize]) -> Vec<bool> {
+    let whole: Vec<bool> = chosen
+        .iter()
+        .map(|i| clip.hands[*i].len() == clip.most_hands || clip.human_mask(*i).is_some())
+        .collect();
+    let enough = whole.iter().filter(|whole| **whole).count() >= ENOUGH_WHOLE_FRAMES;
+    if enough { whole } else { vec![true; chosen.len()] }
 }
 
 fn merged(models: Vec<ColourModel>) -> ColourModel {
@@ -38,14 +79,57 @@ fn merged(models: Vec<ColourModel>) -> ColourModel {
     })
 }
 
+/// The colours of the object in its box that its surroundings do not have; hands are left out.
+fn object_colours(clip: &Clip<'_>, object: &HandledObject) -> Result<Option<LabHistogram>, SegmentError> {
+    let index = object.frame.as_usize();
+    if index >= clip.count() {
+        return Ok(None);
+    }
+    let frame = clip.scratch.frame(index)?;
+    let mut hands = binary::empty(frame.grey.rows(), frame.grey.cols())?;
+    for (hand, reach) in &clip.hands[index] {
+        hand.draw_hull(&mut hands, 0.2)?;
+        hand.draw_cone(&mut hands, 40.0, *reach)?;
+    }
+    let b = object.bounds;
+    let corner = |x: f64, y: f64| clip.scale.to_work(Pixel::new(x, y));
+    let (low, high) = (corner(b.x0, b.y0), corner(b.x1, b.y1));
+    let (centre_x, centre_y) = (f64::midpoint(low.x, high.x), f64::midpoint(low.y, high.y));
+    let (half_x, half_y) = ((0.5 * (high.x - low.x)).max(1.0), (0.5 * (high.y - low.y)).max(1.0));
+    let (mut inside, mut ring) = (LabHistogram::default(), LabHistogram::default());
+    let cols = frame.grey.cols() as usize;
+    let relative = |position: usize| {
+        let dx = ((position % cols) as f64 - centre_x).abs() / half_x;
+        dx.max(((position / cols) as f64 - centre_y).abs() / half_y)
+    };
+    let pixels = frame.pixels()?;
+    let free: Vec<usize> =
+        (0..pixels.len()).zip(hands.data_bytes()?).filter(|(_, hand)| **hand == 0).map(|(i, _)| i).collect();
+    for position in &free {
+        match relative(*position) {
+            r if r < 1.0 => inside.add(pixels[*position]),
+            r if r < 1.8 => ring.add(pixels[*position]),
+            _ => {}
+        }
+    }
+    let own = inside.smoothed(1).posterior_table(&ring.smoothed(1));
+    let mut colours = LabHistogram::default();
+    for position in free {
+        if relative(position) < 1.0 && LabHistogram::look_up(&own, pixels[position]) > 150 {
+            colours.add(pixels[position]);
+        }
+    }
+    Ok((colours.total() >= ENOUGH_OBJECT_PIXELS).then_some(colours))
+}
+
 /// Colours from eroded skeletons (or human masks) and from what lies far from any hand.
-pub(super) fn first_model(clip: &Clip<'_>, chosen: &[usize]) -> Result<ColourModel, SegmentError> {
-    let learn = |index: &usize| {
+fn first_model(clip: &Clip<'_>, chosen: &[usize]) -> Result<ColourModel, SegmentError> {
+    let learn = |(index, whole): (&usize, bool)| {
         clip.watch.check()?;
-        let (frame, _) = WorkFrame::read(clip.frames, FrameIndex(*index as u32), &clip.scale)?;
+        let frame = clip.scratch.frame(*index)?;
         let mut model = ColourModel::default();
         if let Some(mask) = clip.human_mask(*index) {
-            learn_from_mask(&mut model, &frame, &mask?, None, clip.palm_width)?;
+            learn_from_mask(clip, (*index, whole), &mut model, &frame, &mask?, None)?;
             return Ok(model);
         }
         let (rows, cols) = (frame.grey.rows(), frame.grey.cols());
@@ -57,78 +141,145 @@ pub(super) fn first_model(clip: &Clip<'_>, chosen: &[usize]) -> Result<ColourMod
         }
         let core = binary::eroded(&core, 1)?;
         let far = binary::map2(&near, &near, |near, _| if near == 0 { 255 } else { 0 })?;
+        let far = if whole { far } else { binary::empty(rows, cols)? };
         model.learn(&frame, &core, &far)?;
         Ok(model)
     };
-    let models = chosen.par_iter().map(learn).collect::<Result<Vec<_>, SegmentError>>()?;
+    let models = chosen
+        .par_iter()
+        .zip(whole_frames(clip, chosen))
+        .map(learn)
+        .collect::<Result<Vec<_>, SegmentError>>()?;
     Ok(merged(models))
 }
 
-/// Colours from the masks that `table` gives: this is what brings forearm and sleeve in.
-pub(super) fn next_model(
-    clip: &Clip<'_>,
-    chosen: &[usize],
-    table: &[u8],
-) -> Result<ColourModel, SegmentError> {
-    let learn = |index: &usize| {
+/// Colours from the masks that were `learned` so far: this is what brings forearm and sleeve in.
+fn next_model(clip: &Clip<'_>, chosen: &[usize], learned: &Learned) -> Result<ColourModel, SegmentError> {
+    let learn = |(index, whole): (&usize, bool)| {
         clip.watch.check()?;
-        let (frame, _) = WorkFrame::read(clip.frames, FrameIndex(*index as u32), &clip.scale)?;
-        let change = clip.change(*index, &frame)?;
-        let mask = match clip.human_mask(*index) {
+        let frame = clip.scratch.frame(*index)?;
+        let change = if clip.plate.is_some() { Some(clip.scratch.get(*index, Layer::Change)?) } else { None };
+        let skin = frame.posterior(&learned.skin)?;
+        let colour = frame.posterior(&learned.tables.colour)?;
+        let mut sleeves = binary::empty(frame.grey.rows(), frame.grey.cols())?;
+        let mut mask = match clip.human_mask(*index) {
             Some(mask) => mask?,
             None => {
-                let posterior = frame.posterior(table)?;
-                let evidence = clip.evidence(*index, &posterior, change.as_ref(), None);
+                let likely = learned.tables.likely(&colour, change.as_ref())?;
+                let object = learned.object(&frame)?;
+                let evidence =
+                    clip.evidence(*index, [&colour, &likely, &skin], change.as_ref(), object.as_ref());
                 let mask = cut_frame(&frame, &evidence, clip.params)?;
-                let sleeves = sleeve_to_learn(&evidence, &mask, clip.params)?;
-                binary::map2(&mask, &sleeves, |a, b| a | b)?
+                sleeves = sleeve_to_learn(&evidence, &mask, clip.params)?;
+                mask
             }
         };
         let mut model = ColourModel::default();
-        learn_from_mask(&mut model, &frame, &mask, change.as_ref(), clip.palm_width)?;
+        if let Some(change) = change.as_ref().filter(|_| whole) {
+            model.learn_change(change, &mask)?;
+        }
+        if !clip.human.contains_key(&crate::clip::FrameIndex(*index as u32)) {
+            if let Some(object) = learned.object(&frame)? {
+                mask = binary::map2(&mask, &object, |mask, object| mask & !object)?;
+            }
+            let known = binary::map2(&skin, &colour, |skin, colour| skin.max(colour / 2))?;
+            leave_out_known(&mut mask, &grip(&clip.hands[*index], &skin)?, [&skin, &known], change.as_ref())?;
+        }
+        // What is surely background is no sleeve either.
+        sleeves =
+            binary::map2(&sleeves, &skin, |sleeve, skin| if skin > SURELY_BACKGROUND { sleeve } else { 0 })?;
+        mask = binary::map2(&mask, &sleeves, |a, b| a | b)?;
+        learn_from_mask(clip, (*index, whole), &mut model, &frame, &mask, change.as_ref())?;
         Ok(model)
     };
-    let models = chosen.par_iter().map(learn).collect::<Result<Vec<_>, SegmentError>>()?;
+    let models = chosen
+        .par_iter()
+        .zip(whole_frames(clip, chosen))
+        .map(learn)
+        .collect::<Result<Vec<_>, SegmentError>>()?;
     Ok(merged(models))
 }
 
-/// Inside the eroded mask is arm; outside the grown mask is background, unless it has changed:
-/// a sleeve not yet found must not teach the background.
+/// Takes out of `mask` what must not teach arm colours: in a grip, what skeletons do not have, for it is held; and
+/// elsewhere what the far background has, unless it has surely changed. `skin` is P(arm | colour) by skeletons and
+/// far background alone, `known` also grants what sleeves have taught since.
+fn leave_out_known(
+    mask: &mut Mat,
+    grip: &Mat,
+    [skin, known]: [&Mat; 2],
+    change: Option<&Mat>,
+) -> opencv::Result<()> {
+    let changes = change.map(MatTraitConstManual::data_bytes).transpose()?;
+    let (grip, skin, known) = (grip.data_bytes()?, skin.data_bytes()?, known.data_bytes()?);
+    for (position, mask) in mask.data_bytes_mut()?.iter_mut().enumerate() {
+        let change = changes.map_or(UNKNOWN, |changes| changes[position]);
+        let has_changed = change > 40 && change != UNKNOWN;
+        if (grip[position] != 0 && skin[position] < 90) || (known[position] < 45 && !has_changed) {
+            *mask = 0;
+        }
+    }
+    Ok(())
+}
+
+/// Inside the eroded mask is arm. Outside the grown mask is background, unless it has changed, or lies where a
+/// forearm must be and is not known to be unchanged: a sleeve not yet found must not teach the background.
 fn learn_from_mask(
+    clip: &Clip<'_>,
+    (index, whole): (usize, bool),
     model: &mut ColourModel,
     frame: &WorkFrame,
     mask: &Mat,
     change: Option<&Mat>,
-    palm_width: f64,
 ) -> opencv::Result<()> {
     let inside = binary::eroded(mask, 1)?;
-    let near = binary::dilated(mask, (0.25 * palm_width).round().clamp(3.0, 12.0) as i32)?;
-    let mut outside = binary::map2(&near, &near, |near, _| if near == 0 { 255 } else { 0 })?;
-    if let Some(change) = change {
-        outside = binary::map2(
-            &outside,
-            change,
-            |outside, change| if change > 40 && change != UNKNOWN { 0 } else { outside },
-        )?;
+    if !whole {
+        return model.learn(frame, &inside, &binary::empty(mask.rows(), mask.cols())?);
+    }
+    let near = binary::dilated(mask, (0.25 * clip.palm_width).round().clamp(3.0, 12.0) as i32)?;
+    let mut behind = binary::empty(mask.rows(), mask.cols())?;
+    for (hand, reach) in clip.hands[index].iter().filter(|_| clip.leaves_picture) {
+        hand.draw_cone(&mut behind, 45.0, *reach)?;
+    }
+    let mut outside = binary::map2(&near, &behind, |near, behind| match (near, behind) {
+        (0, 0) => 255,
+        (0, _) => 128,
+        _ => 0,
+    })?;
+    let changes = change.map(MatTraitConstManual::data_bytes).transpose()?;
+    for (position, outside) in outside.data_bytes_mut()?.iter_mut().enumerate() {
+        let change = changes.map_or(UNKNOWN, |changes| changes[position]);
+        let has_changed = change > 40 && change != UNKNOWN;
+        if has_changed || (*outside == 128 && f64::from(change) >= clip.params.still_threshold) {
+            *outside = 0;
+        }
     }
     model.learn(frame, &inside, &outside)
 }
 
-/// The posterior table after all rounds; `None` when there is nothing to learn from.
-pub(super) fn learned_table(clip: &mut Clip<'_>, chosen: &[usize]) -> Result<Option<Vec<u8>>, SegmentError> {
+/// The tables after all rounds; `None` when there is nothing to learn from.
+pub(super) fn learned(clip: &mut Clip<'_>, chosen: &[usize]) -> Result<Option<Learned>, SegmentError> {
+    let object = match &clip.object {
+        Some(object) => object_colours(clip, object)?,
+        None => None,
+    };
     let first = first_model(clip, chosen)?;
     if !first.is_usable() {
         return Ok(None);
     }
-    let mut table = first.posterior_table();
+    let tables = first.tables(object.as_ref());
+    let mut learned = Learned { skin: first.tables(None).colour, tables };
     for round in 0..clip.params.training_rounds {
-        let model = next_model(clip, chosen, &table)?;
+        let mut model = next_model(clip, chosen, &learned)?;
+        // What lies far from any hand stays background, whatever the masks took in since.
+        model.background.merge(&first.background);
         if model.is_usable() {
-            table = model.posterior_table();
+            learned.tables = model.tables(object.as_ref());
         }
         if round == 0 {
-            clip.align(&table)?;
+            clip.align(&learned.tables.colour, chosen)?;
         }
     }
-    Ok(Some(table))
+    // Sleeves are known by now: they are no background.
+    clip.hide_again(&learned.tables.colour)?;
+    Ok(Some(learned))
 }

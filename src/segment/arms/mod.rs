@@ -1,33 +1,45 @@
 //! Arm masks without a learned model: landmarks, the clip's own colours, change against the
 //! background, GrabCut; self-trained per clip (hand, forearm, sleeve).
 
-mod carry;
 mod colour;
 mod cut;
-mod dropout;
+mod edges;
 mod finish;
-mod gaps;
 mod learn;
 mod params;
 mod plate;
+mod scratch;
 mod shape;
 mod sleeve;
+mod stray;
+mod sweep;
 mod work_frame;
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path};
 
-use opencv::core::{Mat, MatTrait, MatTraitConst};
+use opencv::{
+    core::{Mat, MatTrait, MatTraitConst},
+    imgproc,
+};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use self::{cut::Evidence, plate::Plate, shape::HandShape, work_frame::WorkFrame};
+use self::{
+    cut::Evidence,
+    learn::Learned,
+    plate::{PLATE_RUN, Plate},
+    scratch::{Layer, Scratch, Towards},
+    shape::HandShape,
+    sweep::Swept,
+    work_frame::WorkFrame,
+};
 use super::{MaskTrack, RleMask, SegmentError};
 use crate::{
     clip::{FrameIndex, FrameSource},
-    geometry::{PerSide, Side},
+    geometry::{PerSide, PixelBox, Side},
     landmarks::{HandLandmarks, LandmarkTrack},
     progress::Watch,
-    vision::{self, WorkScale, binary},
+    vision::{self, FlowQuality, WorkScale, binary, dense_flow},
 };
 
 pub use params::ArmParams;
@@ -41,54 +53,105 @@ pub struct ArmTrack {
     pub sides: PerSide<Vec<RleMask>>,
 }
 
-/// Masks of both arms on every frame, from hand landmarks (full-size pixels).
+/// The object that is handled, where it is known beforehand: its colours are not the arm's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandledObject {
+    /// The frame on which the box holds.
+    pub frame: FrameIndex,
+    /// A box around it, full-size pixels.
+    pub bounds: PixelBox,
+}
+
+/// What arms are found from.
+#[derive(Clone, Copy)]
+pub struct ArmInputs<'a> {
+    /// The clip.
+    pub frames: &'a dyn FrameSource,
+    /// Landmarks of both hands, full-size pixels.
+    pub landmarks: &'a LandmarkTrack,
+    /// Masks drawn by a person: taken as they are, they teach the colour models and anchor their neighbours.
+    pub human: &'a BTreeMap<FrameIndex, RleMask>,
+    /// The object that is handled, if it is known.
+    pub object: Option<HandledObject>,
+    /// A folder for a scratch file without a name (about half a megabyte a frame), gone afterwards.
+    pub scratch: &'a Path,
+}
+
+impl std::fmt::Debug for ArmInputs<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let frames = (self.frames.frame_count(), self.frames.size());
+        f.debug_struct("ArmInputs")
+            .field("frames", &frames)
+            .field("object", &self.object)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Masks of both arms on every frame.
 ///
-/// `human` masks are taken as they are, teach the colour models and anchor their neighbours.
 /// Without any landmark and any human mask, every frame is empty and flagged as lost.
 ///
 /// # Errors
-/// When an input does not fit the clip, a frame cannot be read, OpenCV fails or `watch` cancels.
+/// When an input does not fit the clip, a frame cannot be read, the scratch file or OpenCV fails, or `watch`
+/// cancels.
 pub fn track_arms(
-    frames: &dyn FrameSource,
-    landmarks: &LandmarkTrack,
-    human: &BTreeMap<FrameIndex, RleMask>,
+    inputs: &ArmInputs<'_>,
     params: &ArmParams,
     watch: &dyn Watch,
 ) -> Result<ArmTrack, SegmentError> {
     vision::single_threaded();
-    let mut clip = Clip::new(frames, landmarks, human, params, watch)?;
+    let mut clip = Clip::new(inputs, params, watch)?;
     let chosen = learn::training_frames(&clip);
-    let masks = match learn::learned_table(&mut clip, &chosen)? {
-        Some(table) => all_masks(&clip, &table)?,
-        None => (0..clip.count()).map(|_| WorkMasks::default()).collect(),
+    if chosen.is_empty() {
+        return finish::finished(&clip, &vec![WorkMask::default(); clip.count()]);
+    }
+    clip.keep_frames()?;
+    let masks = match learn::learned(&mut clip, &chosen)? {
+        Some(learned) => all_masks(&clip, &learned)?,
+        None => vec![WorkMask::default(); clip.count()],
     };
-    finish::finished(&clip, masks)
+    finish::finished(&clip, &masks)
 }
 
-/// What a frame's masks are at work scale.
+/// A frame's mask at work scale.
 #[derive(Clone, Debug, Default)]
-struct WorkMasks {
-    /// Cut on this frame from its own landmarks.
-    own: Option<RleMask>,
-    /// Carried here from other frames, by side.
-    carried: PerSide<Option<RleMask>>,
-    /// How far the carried masks have come, frames.
-    distance: usize,
+struct WorkMask {
+    /// All of it; `None` where there is nothing.
+    mask: Option<RleMask>,
+    /// Whether the frame's own landmarks (or a person) speak for it.
+    seen: bool,
 }
 
-fn all_masks(clip: &Clip<'_>, table: &[u8]) -> Result<Vec<WorkMasks>, SegmentError> {
+fn all_masks(clip: &Clip<'_>, learned: &Learned) -> Result<Vec<WorkMask>, SegmentError> {
     let done = std::sync::atomic::AtomicUsize::new(0);
+    let step = || {
+        let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+        clip.watch.advance(done, 3 * clip.count());
+    };
     let own = (0..clip.count())
         .into_par_iter()
         .map(|index| {
             clip.watch.check()?;
-            let mask = clip.own_mask(index, table)?;
-            let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            clip.watch.advance(done, 2 * clip.count());
+            let mask = clip.own_mask(index, learned)?;
+            step();
             Ok(mask)
         })
         .collect::<Result<Vec<_>, SegmentError>>()?;
-    dropout::bridged(clip, table, own)
+    let (forward, backward) = rayon::join(
+        || sweep::swept(clip, &own, Towards::Before),
+        || sweep::swept(clip, &own, Towards::After),
+    );
+    let (forward, backward) = (forward?, backward?);
+    (0..clip.count())
+        .into_par_iter()
+        .map(|index| {
+            clip.watch.check()?;
+            let masks =
+                clip.joined(index, learned, own[index].as_ref(), [&forward[index], &backward[index]])?;
+            step();
+            Ok(masks)
+        })
+        .collect()
 }
 
 /// One clip with all that stays fixed while its masks are made.
@@ -104,17 +167,20 @@ struct Clip<'a> {
     /// Hands seen at once, at most.
     most_hands: usize,
     palm_width: f64,
+    /// Whether arms leave the picture, as in first-person views.
+    leaves_picture: bool,
     plate: Option<Plate>,
+    object: Option<HandledObject>,
+    scratch: Scratch,
 }
 
 impl<'a> Clip<'a> {
     fn new(
-        frames: &'a dyn FrameSource,
-        landmarks: &LandmarkTrack,
-        human: &'a BTreeMap<FrameIndex, RleMask>,
+        inputs: &ArmInputs<'a>,
         params: &'a ArmParams,
         watch: &'a dyn Watch,
     ) -> Result<Self, SegmentError> {
+        let ArmInputs { frames, landmarks, human, object, scratch } = *inputs;
         let (count, size) = (frames.frame_count(), frames.size());
         let mismatch = |what, found, found_size| SegmentError::Mismatch {
             what,
@@ -140,9 +206,21 @@ impl<'a> Clip<'a> {
             })
             .collect();
         let most_hands = hands.iter().map(Vec::len).max().unwrap_or(0);
-        let palm_width = reach.palm_width;
-        let plate = None;
-        Ok(Self { frames, human, params, watch, scale, hands, sides, most_hands, palm_width, plate })
+        Ok(Self {
+            frames,
+            human,
+            params,
+            watch,
+            scale,
+            hands,
+            sides,
+            most_hands,
+            palm_width: reach.palm_width,
+            leaves_picture: !reach.outside_view,
+            plate: None,
+            object,
+            scratch: Scratch::create(scratch, scale.work)?,
+        })
     }
 
     fn count(&self) -> usize {
@@ -155,39 +233,168 @@ impl<'a> Clip<'a> {
         Some(mask.decode().to_mat().and_then(|mask| self.scale.shrink_mask(&mask)))
     }
 
-    fn change(&self, index: usize, frame: &WorkFrame) -> opencv::Result<Option<Mat>> {
-        self.plate.as_ref().map(|plate| plate.change(index, frame)).transpose()
+    /// Shrinks every frame once, and finds the flow to both neighbours.
+    fn keep_frames(&self) -> Result<(), SegmentError> {
+        let keep = |run: &std::ops::Range<usize>| {
+            for index in run.clone() {
+                self.watch.check()?;
+                let frame = WorkFrame::read(self.frames, FrameIndex(index as u32), &self.scale)?;
+                self.scratch.put_frame(index, &frame)?;
+            }
+            Ok(())
+        };
+        let parts = runs(self.count());
+        parts.par_iter().map(keep).collect::<Result<(), SegmentError>>()?;
+        let flow = |run: &std::ops::Range<usize>| {
+            let first = run.start.saturating_sub(1);
+            let mut before = self.scratch.grey(first)?;
+            for index in first + 1..run.end {
+                self.watch.check()?;
+                let grey = self.scratch.grey(index)?;
+                let back = dense_flow(&grey, &before, FlowQuality::Fast)?;
+                self.scratch.put_flow(index, Towards::Before, &back)?;
+                let forth = dense_flow(&before, &grey, FlowQuality::Fast)?;
+                self.scratch.put_flow(index - 1, Towards::After, &forth)?;
+                before = grey;
+            }
+            Ok(())
+        };
+        parts.par_iter().map(flow).collect()
     }
 
     fn evidence<'e>(
         &'e self,
         index: usize,
-        posterior: &'e Mat,
+        [colour, likely, skin]: [&'e Mat; 3],
         change: Option<&'e Mat>,
-        prior: Option<&'e Mat>,
+        object: Option<&'e Mat>,
     ) -> Evidence<'e> {
-        Evidence { hands: &self.hands[index], posterior, change, prior, palm_width: self.palm_width }
+        Evidence {
+            hands: &self.hands[index],
+            colour,
+            likely,
+            change,
+            prior: None,
+            object,
+            skin,
+            leaves_picture: self.leaves_picture,
+            palm_width: self.palm_width,
+        }
     }
 
-    /// The mask that a frame's own landmarks give; `None` without any.
-    fn own_mask(&self, index: usize, table: &[u8]) -> Result<Option<RleMask>, SegmentError> {
+    /// The mask that a frame's own landmarks and arms at its border give; `None` without any. Keeps the
+    /// frame's likelihoods.
+    fn own_mask(&self, index: usize, learned: &Learned) -> Result<Option<RleMask>, SegmentError> {
+        let frame = self.scratch.frame(index)?;
+        let change = self.kept_change(index)?;
+        let colour = frame.posterior(&learned.tables.colour)?;
+        let likely = learned.tables.likely(&colour, change.as_ref())?;
+        self.scratch.put(index, Layer::Colour, &colour)?;
+        self.scratch.put(index, Layer::Likely, &likely)?;
         if let Some(mask) = self.human_mask(index) {
             return Ok(Some(encode(&mask?)?));
         }
-        if self.hands[index].is_empty() {
-            return Ok(None);
+        let mut mask = if self.hands[index].is_empty() {
+            binary::empty(frame.grey.rows(), frame.grey.cols())?
+        } else {
+            let (object, skin) = (learned.object(&frame)?, frame.posterior(&learned.skin)?);
+            let evidence = self.evidence(index, [&colour, &likely, &skin], change.as_ref(), object.as_ref());
+            cut::cut_frame(&frame, &evidence, self.params)?
+        };
+        if self.leaves_picture {
+            let strays = stray::at_border(&likely, self.palm_width)?;
+            mask = binary::map2(&mask, &strays, |a, b| a | b)?;
         }
-        let (frame, _) = WorkFrame::read(self.frames, FrameIndex(index as u32), &self.scale)?;
-        let change = self.change(index, &frame)?;
-        let posterior = frame.posterior(table)?;
-        let evidence = self.evidence(index, &posterior, change.as_ref(), None);
-        Ok(Some(encode(&cut::cut_frame(&frame, &evidence, self.params)?)?))
+        Ok(if binary::area(&mask)? == 0 { None } else { Some(encode(&mask)?) })
     }
 
-    /// Aligns the background now that `table` tells roughly where arms are.
-    fn align(&mut self, table: &[u8]) -> Result<(), SegmentError> {
+    fn kept_change(&self, index: usize) -> Result<Option<Mat>, SegmentError> {
+        self.plate.as_ref().map(|_| self.scratch.get(index, Layer::Change)).transpose()
+    }
+
+    /// A frame's own mask less what nobody confirms, with what its neighbours know, cut anew where that is much.
+    fn joined(
+        &self,
+        index: usize,
+        learned: &Learned,
+        own: Option<&RleMask>,
+        [forward, backward]: [&Swept; 2],
+    ) -> Result<WorkMask, SegmentError> {
+        if self.human.contains_key(&FrameIndex(index as u32)) {
+            return Ok(WorkMask { mask: own.cloned(), seen: true });
+        }
+        let seen = !self.hands[index].is_empty();
+        let (rows, cols) = (self.scale.work.height as i32, self.scale.work.width as i32);
+        let own = own.map_or_else(|| binary::empty(rows, cols), decode)?;
+        let young = binary::map2(&decode(&forward.young)?, &decode(&backward.young)?, |a, b| a & b)?;
+        let young = binary::opened(&binary::map2(&young, &own, |a, b| a & b)?, 1)?;
+        let believed = if 2 * binary::area(&young)? > binary::area(&own)? {
+            own
+        } else {
+            binary::map2(&own, &young, |own, young| own & !young)?
+        };
+        let mut carried = binary::empty(rows, cols)?;
+        for mask in [&forward.carried, &backward.carried].into_iter().flatten() {
+            carried = binary::map2(&carried, &decode(mask)?, |a, b| a | b)?;
+        }
+        let all = binary::map2(&believed, &carried, |a, b| a | b)?;
+        // Slivers along the outline are no news.
+        let news = binary::map2(&all, &believed, |all, believed| all & !believed)?;
+        let added = binary::area(&binary::opened(&news, 2)?)?;
+        let least = (0.1 * self.palm_width * self.palm_width).max(12.0) as usize;
+        let mask = if added < least { believed } else { self.cut_again(index, learned, &all)? };
+        let mask = if self.leaves_picture { self.attached(index, &mask)? } else { mask };
+        Ok(WorkMask { mask: if binary::area(&mask)? == 0 { None } else { Some(encode(&mask)?) }, seen })
+    }
+
+    /// The components of `mask` that belong to a hand of the frame or enter over the picture's border: in
+    /// first-person views nothing else is an arm.
+    fn attached(&self, index: usize, mask: &Mat) -> opencv::Result<Mat> {
+        let (rows, cols) = (mask.rows(), mask.cols());
+        let mut anchors = binary::empty(rows, cols)?;
+        for (hand, _) in &self.hands[index] {
+            hand.draw_core(&mut anchors, 0.2)?;
+        }
+        let frame = opencv::core::Rect::new(0, 0, cols, rows);
+        imgproc::rectangle(&mut anchors, frame, opencv::core::Scalar::all(255.0), 2, imgproc::LINE_8, 0)?;
+        binary::touching(mask, &anchors)
+    }
+
+    /// The mask that a frame's landmarks and its neighbours' knowledge (`prior`) give together.
+    fn cut_again(&self, index: usize, learned: &Learned, prior: &Mat) -> Result<Mat, SegmentError> {
+        let frame = self.scratch.frame(index)?;
+        let change = self.kept_change(index)?;
+        let (colour, likely) =
+            (self.scratch.get(index, Layer::Colour)?, self.scratch.get(index, Layer::Likely)?);
+        let (object, skin) = (learned.object(&frame)?, frame.posterior(&learned.skin)?);
+        let evidence = self.evidence(index, [&colour, &likely, &skin], change.as_ref(), object.as_ref());
+        let cut = cut::cut_frame(&frame, &Evidence { prior: Some(prior), ..evidence }, self.params)?;
+        let kept = binary::iou(&cut, prior)? > 0.5;
+        Ok(if kept { cut } else { prior.try_clone()? })
+    }
+
+    /// Aligns the background now that `table` tells roughly where arms are, and compares the `chosen` frames to it.
+    fn align(&mut self, table: &[u8], chosen: &[usize]) -> Result<(), SegmentError> {
         self.plate = Some(Plate::build(self, table)?);
-        Ok(())
+        self.put_changes(&|index| chosen.binary_search(&index).is_ok())
+    }
+
+    /// Draws the background anew, now that `table` tells better where arms are, and compares all frames to it.
+    fn hide_again(&mut self, table: &[u8]) -> Result<(), SegmentError> {
+        if let Some(mut plate) = self.plate.take() {
+            plate.hide_again(self, table)?;
+            self.plate = Some(plate);
+        }
+        self.put_changes(&|_| true)
+    }
+
+    fn put_changes(&self, wanted: &(dyn Fn(usize) -> bool + Sync)) -> Result<(), SegmentError> {
+        let Some(plate) = &self.plate else { return Ok(()) };
+        let put = |run: &usize| {
+            plate.put_changes(self, run * PLATE_RUN..((run + 1) * PLATE_RUN).min(self.count()), wanted)
+        };
+        let all: Vec<usize> = (0..self.count().div_ceil(PLATE_RUN)).collect();
+        all.par_iter().map(put).collect()
     }
 
     /// A cheap guess at what is not background: [`plate::HIDDEN`] in hand hulls and on likely colours
@@ -199,16 +406,30 @@ impl<'a> Clip<'a> {
             // The estimator missed a hand: it may be anywhere.
             near.set_to(&opencv::core::Scalar::all(255.0), &opencv::core::no_array())?;
         }
+        let mut expected = hulls.try_clone()?;
         for (hand, reach) in &self.hands[index] {
             hand.draw_cone(&mut near, 80.0, *reach)?;
+            hand.draw_cone(&mut expected, 40.0, *reach)?;
             hand.draw_hull(&mut hulls, 0.2)?;
         }
-        let grade = |near: u8, posterior: u8| match (near != 0, posterior > 127) {
-            (true, true) => plate::HIDDEN,
-            (true, false) => plate::DOUBTFUL,
-            _ => 0,
+        let near =
+            binary::map2(&near, &expected, |near, expected| if expected != 0 { 255 } else { near / 2 })?;
+        // In `near`: 255 where a forearm is to be expected, less elsewhere in reach.
+        let grade = |near: u8, posterior: u8| match near {
+            255 if posterior > 127 => plate::HIDDEN,
+            0 => 0,
+            _ if posterior > HIDING => plate::HIDDEN,
+            _ => plate::DOUBTFUL,
         };
-        let graded = binary::map2(&near, &frame.posterior(table)?, grade)?;
+        let likely = frame.posterior(table)?;
+        let graded = binary::map2(&near, &likely, grade)?;
+        let graded = if self.leaves_picture {
+            // A hand that the estimator never sees must not become background.
+            let strays = stray::at_border(&likely, self.palm_width)?;
+            binary::map2(&graded, &strays, |grade, stray| if stray != 0 { plate::HIDDEN } else { grade })?
+        } else {
+            graded
+        };
         binary::map2(&hulls, &graded, |hull, grade| if hull != 0 { plate::HIDDEN } else { grade })
     }
 }
@@ -231,6 +452,7 @@ fn distinct_hands(frame: &PerSide<Option<HandLandmarks>>, scale: &WorkScale) -> 
 struct Reach {
     pixels: f64,
     palm_width: f64,
+    outside_view: bool,
 }
 
 impl Reach {
@@ -248,9 +470,14 @@ impl Reach {
         let length = median(all.iter().map(|h| h.length).collect(), 0.8).unwrap_or(0.2 * width);
         let border = median(all.iter().map(|h| h.distance_to_border(width, height)).collect(), 0.5);
         let outside_view = border.is_some_and(|border| border > 4.0 * length);
-        Self { pixels: if outside_view { 1.6 * length } else { scale.work.diagonal() }, palm_width }
+        let pixels = if outside_view { 1.6 * length } else { scale.work.diagonal() };
+        Self { pixels, palm_width, outside_view }
     }
 }
+
+/// P(arm | colour) from which a place in reach of a hand cannot show the background. Lower, and a table of the
+/// skin's colour would never be seen.
+const HIDING: u8 = 190;
 
 /// Runs of consecutive frames that one thread walks through, reading each frame once.
 fn runs(count: usize) -> Vec<std::ops::Range<usize>> {

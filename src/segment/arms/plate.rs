@@ -7,11 +7,10 @@ use opencv::{
 };
 use rayon::prelude::*;
 
-use super::{Clip, runs, work_frame::WorkFrame};
+use super::{Clip, runs, scratch::Layer, work_frame::WorkFrame};
 use crate::{
-    clip::FrameIndex,
     segment::SegmentError,
-    vision::{BackgroundMotion, background_motion, binary},
+    vision::{BackgroundMotion, background_motion_from, binary},
 };
 
 /// Samples that one plate is the median of.
@@ -26,8 +25,13 @@ pub(super) const NEUTRAL: u8 = 15;
 pub(super) const UNKNOWN: u8 = 255;
 /// The change reported for the background in shadow: none.
 pub(super) const SHADOW: u8 = 0;
+/// Features from which the motion from frame to frame is found, at most.
+const FEATURES: i32 = 250;
 /// Key frames over the whole clip.
 const KEYFRAMES: usize = 40;
+
+/// Frames that share one plate: drawn once where the middle one sees it, then moved along.
+pub(super) const PLATE_RUN: usize = 8;
 
 /// Frames at work scale spread over the clip, with the homography of every frame to the first.
 pub(super) struct Plate {
@@ -41,6 +45,14 @@ struct Keyframe {
     lab: Mat,
     /// [`HIDDEN`], [`DOUBTFUL`] or 0.
     hidden: Mat,
+}
+
+/// The background as one frame sees it.
+struct Drawn {
+    index: usize,
+    lab: Mat,
+    /// 0 where known for certain, [`DOUBTFUL`] or [`HIDDEN`] (unknown) elsewhere.
+    doubt: Mat,
 }
 
 impl Plate {
@@ -66,20 +78,61 @@ impl Plate {
         Ok(Self { placed, keyframes })
     }
 
-    /// Lab distance of `frame` from the median of aligned key frames, CV_8UC1, at most 254;
-    /// [`UNKNOWN`] where fewer than two key frames saw the background.
-    pub fn change(&self, index: usize, frame: &WorkFrame) -> opencv::Result<Mat> {
+    /// Decides anew where arms are in the key frames.
+    pub fn hide_again(&mut self, clip: &Clip<'_>, table: &[u8]) -> Result<(), SegmentError> {
+        self.keyframes.par_iter_mut().try_for_each(|key| {
+            clip.watch.check()?;
+            key.hidden = hidden(clip, key.index, &clip.scratch.frame(key.index)?, table)?;
+            Ok(())
+        })
+    }
+
+    /// The change of the `wanted` frames of `run` (no more than [`PLATE_RUN`] frames in a row), kept in the scratch file.
+    pub fn put_changes(
+        &self,
+        clip: &Clip<'_>,
+        run: std::ops::Range<usize>,
+        wanted: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Result<(), SegmentError> {
+        let mut drawn: Option<Drawn> = None;
+        for index in run.clone().filter(|index| wanted(*index)) {
+            clip.watch.check()?;
+            let unbroken = drawn.as_ref().is_some_and(|d| self.placed[d.index].0 == self.placed[index].0);
+            if !unbroken {
+                let last = run.clone().rev().find(|i| self.placed[*i].0 == self.placed[index].0);
+                drawn = Some(self.drawn(usize::midpoint(index, last.unwrap_or(index)), clip)?);
+            }
+            let frame = clip.scratch.frame(index)?;
+            let change = match &drawn {
+                Some(drawn) => change(&frame, &self.moved(drawn, index)?)?,
+                None => binary::map2(&frame.grey, &frame.grey, |_, _| UNKNOWN)?,
+            };
+            clip.scratch.put(index, Layer::Change, &change)?;
+        }
+        Ok(())
+    }
+
+    /// The plate of one frame on the grid of another of the same unbroken run.
+    fn moved(&self, drawn: &Drawn, index: usize) -> opencv::Result<Drawn> {
+        let to = self.placed[drawn.index].1.try_inverse().unwrap_or_else(Matrix3::identity);
+        let homography = to * self.placed[index].1;
+        let motion = BackgroundMotion { homography, inlier_share: 1.0, inliers: 0 };
+        let (lab, doubt) = warped(&drawn.lab, &drawn.doubt, &motion)?;
+        Ok(Drawn { index, lab, doubt })
+    }
+
+    /// The median of aligned key frames on the grid of frame `index`.
+    fn drawn(&self, index: usize, clip: &Clip<'_>) -> opencv::Result<Drawn> {
         let samples = self.samples(index)?;
-        let (rows, cols) = (frame.grey.rows(), frame.grey.cols());
-        let mut change = binary::empty(rows, cols)?;
+        let (rows, cols) = (clip.scale.work.height as i32, clip.scale.work.width as i32);
         let labs = samples
             .iter()
             .map(|(lab, hidden)| Ok((lab.data_bytes()?.as_chunks::<3>().0, hidden.data_bytes()?)))
             .collect::<opencv::Result<Vec<_>>>()?;
-        let pixels = frame.pixels()?;
-        let mut plate_light: Vec<u8> = pixels.iter().map(|lab| lab[0]).collect();
-        let mut shadowed = vec![Shade::No; pixels.len()];
-        for (position, value) in change.data_bytes_mut()?.iter_mut().enumerate() {
+        let mut lab = Mat::new_rows_cols_with_default(rows, cols, CV_8UC3, Scalar::all(0.0))?;
+        let mut doubt = binary::empty(rows, cols)?;
+        let pixels = lab.data_bytes_mut()?.as_chunks_mut::<3>().0;
+        for (position, (pixel, doubt)) in pixels.iter_mut().zip(doubt.data_bytes_mut()?).enumerate() {
             let mut seen = [[0_u8; SAMPLES]; 3];
             let (mut count, mut certain) = (0, 0);
             for (lab, hidden) in &labs {
@@ -92,35 +145,17 @@ impl Plate {
                 }
             }
             if count < 2 {
-                *value = UNKNOWN;
+                *doubt = HIDDEN;
                 continue;
             }
-            let median = [0, 1, 2].map(|channel| {
+            *doubt = if certain < 2 { DOUBTFUL } else { 0 };
+            *pixel = [0, 1, 2].map(|channel| {
                 let values = &mut seen[channel][..count];
                 values.sort_unstable();
                 values[count / 2]
             });
-            plate_light[position] = median[0];
-            shadowed[position] = is_shaded(pixels[position], median);
-            let squared: f32 = (0..3)
-                .map(|channel| (f32::from(pixels[position][channel]) - f32::from(median[channel])).powi(2))
-                .sum();
-            let difference = squared.sqrt().min(254.0) as u8;
-            *value = if certain < 2 { difference.max(NEUTRAL) } else { difference };
         }
-        let light: Vec<u8> = pixels.iter().map(|lab| lab[0]).collect();
-        let alike = same_texture(&light, &plate_light, (rows, cols))?;
-        for ((value, shade), alike) in change.data_bytes_mut()?.iter_mut().zip(shadowed).zip(alike) {
-            let shadow = match shade {
-                Shade::Surely => alike != Texture::Other,
-                Shade::Perhaps => alike == Texture::Same,
-                Shade::No => false,
-            };
-            if shadow {
-                *value = SHADOW;
-            }
-        }
-        Ok(change)
+        Ok(Drawn { index, lab, doubt })
     }
 
     /// Key frames of the same run drawn on the grid of frame `index`, with what is not to be used.
@@ -136,9 +171,70 @@ impl Plate {
         for key in near.iter().skip(stride / 2).step_by(stride).take(SAMPLES) {
             let Some(inverse) = self.placed[key.index].1.try_inverse() else { continue };
             let motion = BackgroundMotion { homography: inverse * to_first, inlier_share: 1.0, inliers: 0 };
-            samples.push(warped(key, &motion)?);
+            samples.push(warped(&key.lab, &key.hidden, &motion)?);
         }
         Ok(samples)
+    }
+}
+
+/// Lab distance of `frame` from the background behind it, CV_8UC1, at most 254; [`UNKNOWN`] where fewer than two
+/// key frames saw the background, [`SHADOW`] where it is seen in shadow.
+fn change(frame: &WorkFrame, plate: &Drawn) -> opencv::Result<Mat> {
+    let (rows, cols) = (frame.grey.rows(), frame.grey.cols());
+    let pixels = frame.pixels()?;
+    let backgrounds = plate.lab.data_bytes()?.as_chunks::<3>().0;
+    let mut change = binary::empty(rows, cols)?;
+    let mut shades = vec![Shade::No; pixels.len()];
+    let doubts = plate.doubt.data_bytes()?;
+    for (position, value) in change.data_bytes_mut()?.iter_mut().enumerate() {
+        if doubts[position] == HIDDEN {
+            *value = UNKNOWN;
+            continue;
+        }
+        let (pixel, background) = (pixels[position], backgrounds[position]);
+        shades[position] = is_shaded(pixel, background);
+        let squared: i32 =
+            (0..3).map(|channel| (i32::from(pixel[channel]) - i32::from(background[channel])).pow(2)).sum();
+        let difference = (squared as f32).sqrt().min(254.0) as u8;
+        *value = if doubts[position] == DOUBTFUL { difference.max(NEUTRAL) } else { difference };
+    }
+    let alike = Likeness::of(&frame.lab, &plate.lab)?;
+    let cols = cols as usize;
+    for (position, (value, shade)) in change.data_bytes_mut()?.iter_mut().zip(shades).enumerate() {
+        let alike = || alike.at(position % cols, position / cols);
+        let shadow = match shade {
+            Shade::Surely => alike() != Texture::Other,
+            Shade::Perhaps => alike() == Texture::Same,
+            Shade::No => false,
+        };
+        if shadow {
+            *value = SHADOW;
+        }
+    }
+    Ok(change)
+}
+
+/// How the textures of two pictures compare, judged on every other pixel.
+struct Likeness {
+    cols: usize,
+    textures: Vec<Texture>,
+}
+
+impl Likeness {
+    fn of(first: &Mat, second: &Mat) -> opencv::Result<Self> {
+        let (rows, cols) = ((first.rows() + 1) / 2, (first.cols() + 1) / 2);
+        let light = |lab: &Mat| -> opencv::Result<Vec<u8>> {
+            let mut half = Mat::default();
+            let size = opencv::core::Size::new(cols, rows);
+            imgproc::resize(lab, &mut half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+            Ok(half.data_bytes()?.as_chunks::<3>().0.iter().map(|lab| lab[0]).collect())
+        };
+        let textures = same_texture(&light(first)?, &light(second)?, (rows, cols))?;
+        Ok(Self { cols: cols as usize, textures })
+    }
+
+    fn at(&self, x: usize, y: usize) -> Texture {
+        self.textures[(y / 2) * self.cols + x / 2]
     }
 }
 
@@ -160,7 +256,7 @@ fn is_shaded(pixel: [u8; 3], background: [u8; 3]) -> Shade {
     }
     let chroma = |lab: [u8; 3]| [f32::from(lab[1]) - 128.0, f32::from(lab[2]) - 128.0];
     let (now, before) = (chroma(pixel), chroma(background));
-    let error = (now[0] - ratio * before[0]).hypot(now[1] - ratio * before[1]);
+    let error = ((now[0] - ratio * before[0]).powi(2) + (now[1] - ratio * before[1]).powi(2)).sqrt();
     match error {
         error if error < 2.5 => Shade::Surely,
         error if error < 7.0 => Shade::Perhaps,
@@ -168,7 +264,7 @@ fn is_shaded(pixel: [u8; 3], background: [u8; 3]) -> Shade {
     }
 }
 
-/// How two pictures compare within 7×7 pixels.
+/// How two pictures compare within 5×5 pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Texture {
     /// Neither has any.
@@ -183,7 +279,7 @@ fn same_texture(first: &[u8], second: &[u8], (rows, cols): (i32, i32)) -> opencv
         let values: Vec<f32> = (0..first.len()).map(value).collect();
         let raw = Mat::new_rows_cols_with_data(rows, cols, &values)?;
         let mut mean = Mat::default();
-        let (kernel, anchor) = (opencv::core::Size::new(7, 7), opencv::core::Point::new(-1, -1));
+        let (kernel, anchor) = (opencv::core::Size::new(5, 5), opencv::core::Point::new(-1, -1));
         imgproc::blur(&raw, &mut mean, kernel, anchor, opencv::core::BORDER_REPLICATE)?;
         Ok(mean)
     };
@@ -212,6 +308,11 @@ fn same_texture(first: &[u8], second: &[u8], (rows, cols): (i32, i32)) -> opencv
     Ok((0..first.len()).map(together).collect())
 }
 
+/// Where arms are or may be on a frame, with a margin.
+fn hidden(clip: &Clip<'_>, index: usize, frame: &WorkFrame, table: &[u8]) -> opencv::Result<Mat> {
+    binary::dilated(&clip.hidden(index, frame, table)?, 4)
+}
+
 /// What one run of frames adds.
 struct Aligned {
     /// The background's motion from each frame to the one before.
@@ -225,18 +326,17 @@ fn align_run(
     run: std::ops::Range<usize>,
     stride: usize,
 ) -> Result<Aligned, SegmentError> {
-    let read =
-        |index: usize| WorkFrame::read(clip.frames, FrameIndex(index as u32), &clip.scale).map(|(f, _)| f);
+    let read = |index: usize| clip.scratch.frame(index);
     let mut before = run.start.checked_sub(1).map(read).transpose()?;
     let mut aligned = Aligned { steps: Vec::new(), keyframes: Vec::new() };
     for index in run {
         clip.watch.check()?;
         let frame = read(index)?;
-        let hidden = binary::dilated(&clip.hidden(index, &frame, table)?, 4)?;
+        let hidden = hidden(clip, index, &frame, table)?;
         let step = match &before {
             Some(before) => {
                 let arms = binary::map2(&hidden, &hidden, |grade, _| u8::from(grade == HIDDEN))?;
-                background_motion(&frame.grey, &before.grey, Some(&arms))?
+                background_motion_from(&frame.grey, &before.grey, Some(&arms), FEATURES)?
             }
             None => None,
         };
@@ -249,18 +349,19 @@ fn align_run(
     Ok(aligned)
 }
 
-/// The key frame as seen from the frame whose pixels `motion` takes to it; hidden where unseen.
-fn warped(key: &Keyframe, motion: &BackgroundMotion) -> opencv::Result<(Mat, Mat)> {
-    let size = key.lab.size()?;
+/// A picture and what is not to be used of it, as seen from the frame whose pixels `motion` takes to it;
+/// hidden where unseen.
+fn warped(lab: &Mat, hidden: &Mat, motion: &BackgroundMotion) -> opencv::Result<(Mat, Mat)> {
+    let size = lab.size()?;
     let matrix = motion.to_mat()?;
     let flags = imgproc::INTER_LINEAR | imgproc::WARP_INVERSE_MAP;
     let border = opencv::core::BORDER_CONSTANT;
-    let mut lab = Mat::new_size_with_default(size, CV_8UC3, Scalar::all(0.0))?;
-    imgproc::warp_perspective(&key.lab, &mut lab, &matrix, size, flags, border, Scalar::all(0.0))?;
-    let mut hidden = Mat::default();
+    let mut warped = Mat::default();
+    imgproc::warp_perspective(lab, &mut warped, &matrix, size, flags, border, Scalar::all(0.0))?;
+    let mut unseen = Mat::default();
     let nearest = imgproc::INTER_NEAREST | imgproc::WARP_INVERSE_MAP;
-    imgproc::warp_perspective(&key.hidden, &mut hidden, &matrix, size, nearest, border, Scalar::all(255.0))?;
-    Ok((lab, hidden))
+    imgproc::warp_perspective(hidden, &mut unseen, &matrix, size, nearest, border, Scalar::all(255.0))?;
+    Ok((warped, unseen))
 }
 
 #[cfg(test)]

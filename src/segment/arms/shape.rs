@@ -85,7 +85,7 @@ impl HandShape {
         imgproc::polylines(mask, &outline, true, WHITE, thickness, imgproc::LINE_8, 0)
     }
 
-    /// Draws where the forearm may be: within `half_angle` degrees of its direction as seen from
+    /// Draws where the forearm may be: within `half_angle` (below 90) degrees of its direction as seen from
     /// the wrist, at most `reach` pixels away.
     pub fn draw_cone(&self, mask: &mut Mat, half_angle: f64, reach: f64) -> opencv::Result<()> {
         let cols = mask.cols() as usize;
@@ -96,12 +96,16 @@ impl HandShape {
             wrist.y - 0.3 * self.palm_width * self.towards_arm.y,
         );
         let cosine = half_angle.to_radians().cos();
-        for (index, value) in mask.data_bytes_mut()?.iter_mut().enumerate() {
-            let (dx, dy) = ((index % cols) as f64 - apex.x, (index / cols) as f64 - apex.y);
-            let distance = dx.hypot(dy);
-            let along = dx * self.towards_arm.x + dy * self.towards_arm.y;
-            if distance <= reach && along >= cosine * distance {
-                *value = 255;
+        let (farthest, widest) = ((reach * reach) as f32, (cosine * cosine) as f32);
+        let (toward_x, toward_y) = (self.towards_arm.x as f32, self.towards_arm.y as f32);
+        for (y, row) in mask.data_bytes_mut()?.chunks_exact_mut(cols).enumerate() {
+            let dy = y as f32 - apex.y as f32;
+            for (x, value) in row.iter_mut().enumerate() {
+                let dx = x as f32 - apex.x as f32;
+                let squared = dx * dx + dy * dy;
+                let along = dx * toward_x + dy * toward_y;
+                let inside = squared <= farthest && along >= 0.0 && along * along >= widest * squared;
+                *value |= if inside { 255 } else { 0 };
             }
         }
         Ok(())

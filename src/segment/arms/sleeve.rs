@@ -8,6 +8,9 @@ use opencv::{
 use super::shape::HandShape;
 use crate::{geometry::Pixel, vision::binary};
 
+/// Sleeves lead downwards or sideways: in first-person views no arm enters from above.
+const HIGHEST: f64 = -0.35;
+
 /// A strip of the picture from where the skin ends to the picture's border.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sleeve {
@@ -75,6 +78,9 @@ pub(super) fn beyond_skin(hand: &HandShape, skin: &Mat) -> opencv::Result<Option
     }
     let from = path[path.len() - 1];
     let direction = settled_direction(&path).unwrap_or(direction);
+    if direction.y < HIGHEST {
+        return Ok(None);
+    }
     let reach = width + height;
     let to = Pixel::new(from.x + reach * direction.x, from.y + reach * direction.y);
     widths.sort_unstable_by(f64::total_cmp);

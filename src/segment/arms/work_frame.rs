@@ -7,7 +7,6 @@ use opencv::{
 
 use crate::{
     clip::{FrameIndex, FrameSource},
-    image::Rgb8,
     segment::SegmentError,
     vision::{LabHistogram, WorkScale, binary},
 };
@@ -22,12 +21,12 @@ pub(super) struct WorkFrame {
 }
 
 impl WorkFrame {
-    /// Reads and shrinks frame `index`; also hands back the full-size picture.
+    /// Reads and shrinks frame `index`.
     pub fn read(
         frames: &dyn FrameSource,
         index: FrameIndex,
         scale: &WorkScale,
-    ) -> Result<(Self, Rgb8), SegmentError> {
+    ) -> Result<Self, SegmentError> {
         let picture = frames.frame(index)?;
         let (rows, cols) = (picture.size().height as i32, picture.size().width as i32);
         let borrowed = Mat::new_rows_cols_with_bytes::<Vec3b>(rows, cols, picture.data())?;
@@ -39,7 +38,7 @@ impl WorkFrame {
         let (mut lab, mut grey) = (Mat::default(), Mat::default());
         imgproc::cvt_color(&soft, &mut lab, imgproc::COLOR_RGB2Lab, 0)?;
         imgproc::cvt_color(&small, &mut grey, imgproc::COLOR_RGB2GRAY, 0)?;
-        Ok((Self { lab, grey }, picture))
+        Ok(Self { lab, grey })
     }
 
     /// Lab pixels in row order.
