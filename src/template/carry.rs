@@ -32,13 +32,47 @@ impl Hands<'_> {
         let (before, after) = (self.before?, self.after?);
         let work = |hand: &HandLandmarks| GRIP.map(|k| self.scale.to_work(hand.keypoints[k]));
         let pairs = before.iter().filter_map(|(side, hand)| {
-            let (from, to) = (work(hand.as_ref()?), work(after[side].as_ref()?));
+            let (earlier, later) = (hand.as_ref()?, after[side].as_ref()?);
+            let (from, to) = (work(earlier), work(later));
             let gap = from.iter().map(|p| (p.x - place.0).hypot(p.y - place.1)).fold(f64::MAX, f64::min);
-            Some((gap, from, to))
+            Some((gap, from, to, growth(earlier, later)))
         });
-        let (gap, from, to) = pairs.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (gap < reach).then(|| between(&from, &to))
+        let (gap, from, to, growth) = pairs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (gap < reach).then(|| rescaled(&between(&from, &to), place, growth))
     }
+}
+
+/// By how much a hand came nearer: the change of pixels a metre between its keypoints and the
+/// estimator's metric ones, which no bending or turning of the hand feigns; 1 where it gives none.
+fn growth(before: &HandLandmarks, after: &HandLandmarks) -> f64 {
+    let resolution = |hand: &HandLandmarks| {
+        let world = hand.world.as_ref()?;
+        let n = world.len() as f64;
+        let (wx, wy) =
+            (world.iter().map(|p| p.x).sum::<f64>() / n, world.iter().map(|p| p.y).sum::<f64>() / n);
+        let kx = hand.keypoints.iter().map(|p| p.x).sum::<f64>() / n;
+        let ky = hand.keypoints.iter().map(|p| p.y).sum::<f64>() / n;
+        let (mut along, mut across, mut square) = (0.0, 0.0, 0.0);
+        for (w, k) in world.iter().zip(&hand.keypoints) {
+            let (ax, ay, bx, by) = (w.x - wx, w.y - wy, k.x - kx, k.y - ky);
+            along += ax * bx + ay * by;
+            across += ax * by - ay * bx;
+            square += ax * ax + ay * ay;
+        }
+        (square > 1e-9).then(|| f64::hypot(along, across) / square)
+    };
+    match (resolution(before), resolution(after)) {
+        (Some(before), Some(after)) if before > 0.0 => (after / before).clamp(0.95, 1.05),
+        _ => 1.0,
+    }
+}
+
+/// A similarity with another scale that moves `place` as before.
+fn rescaled(transform: &Matrix3<f64>, place: (f64, f64), scale: f64) -> Matrix3<f64> {
+    let rigid = rigid(transform, place);
+    let to = apply(&rigid, place.0, place.1);
+    let about = Matrix3::new(scale, 0.0, to.0 - scale * to.0, 0.0, scale, to.1 - scale * to.1, 0.0, 0.0, 1.0);
+    about * rigid
 }
 
 /// The similarity of least squares between two sets of points (Umeyama 1991, two dimensions).
@@ -86,8 +120,11 @@ pub(super) fn step(
     let centre = apply(transform, key.centre.0, key.centre.1);
     let grip = hands.motion(centre, 2.0 * key.radius);
     let hand = match (hand, grip) {
-        (Some(hand), Some(grip)) => Some(rigid(&((hand.transform + grip) * 0.5), centre)),
-        (hand, grip) => hand.map(|fit| fit.transform).or(grip).map(|m| rigid(&m, centre)),
+        (Some(hand), Some(grip)) => {
+            let growth = grip[(0, 0)].hypot(grip[(1, 0)]);
+            Some(rescaled(&((hand.transform + grip) * 0.5), centre, growth))
+        }
+        (hand, grip) => hand.map(|fit| rigid(&fit.transform, centre)).or(grip),
     };
     let at = |m: &Matrix3<f64>| apply(m, centre.0, centre.1);
     let gap = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1);
@@ -102,10 +139,13 @@ pub(super) fn step(
         }
     }
     let first = choose(own, share, hand, background, carried.held, centre);
-    let still = background.map(|fit| Step { transform: fit.transform, shift: 0.3, form: 0.003 });
+    let resting = background.is_some_and(|fit| fit.agreement > 0.5) && carried.held < 0.5;
+    let still = background.map(|fit| Step { transform: fit.transform, shift: 1.0, form: 0.01 });
     let with_hand =
         hand.map(|transform| Step { transform, shift: 1.0 + 0.1 * gap(at(&transform), centre), form: 0.01 });
-    Ok([Some(first), still, with_hand].into_iter().flatten().collect())
+    // What nobody has been seen to move is taken to rest until another motion explains the frame better.
+    let order = if resting { [still, Some(first), with_hand] } else { [Some(first), still, with_hand] };
+    Ok(order.into_iter().flatten().collect())
 }
 
 /// Weighs the motions found into one step.
@@ -127,7 +167,7 @@ fn choose(
             && gap(at(&own.transform), at(&still)) < 0.35
             && background.is_some_and(|fit| fit.agreement > 0.5)
         {
-            return Step { transform: still, shift: 0.3, form: 0.003 };
+            return Step { transform: still, shift: 1.0, form: 0.01 };
         }
         let doubt = 1.5 - share.min(1.0);
         let shift = (1.0 + 0.1 * length(&own.transform)) * doubt;
@@ -139,7 +179,7 @@ fn choose(
         Some(transform) if held > 0.5 => {
             Step { transform, shift: 1.5 + 0.2 * length(&transform), form: 0.015 }
         }
-        Some(transform) => Step { transform, shift: 0.3, form: 0.003 },
+        Some(transform) => Step { transform, shift: 1.0, form: 0.01 },
         None => Step { transform: Matrix3::identity(), shift: 3.0, form: 0.02 },
     }
 }

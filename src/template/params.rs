@@ -16,7 +16,8 @@ pub struct TemplateParams {
     pub work_side: u32,
     /// Smallest mask that counts as the object seen, work pixels; 60 by default.
     pub least_area: u32,
-    /// Half-width of temporal smoothing of placements, frames; 3 by default, 0 switches it off.
+    /// Whether the placements of all frames are weighed together; any value but 0 switches that on, as
+    /// the default of 3 does.
     pub smoothing: u32,
     /// Whether placements may shear and change aspect, not only move, turn and scale; true by default.
     pub affine: bool,

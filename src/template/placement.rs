@@ -19,7 +19,7 @@ use crate::{
     clip::FrameIndex,
     segment::{
         MaskFlag, MaskTrack,
-        object::{Keyframe, Roi, Scene, View, apply, arm},
+        object::{Keyframe, Roi, Scene, View, arm, bounds_of, turned_about},
     },
     vision::{AlignChannel, AlignPrior, Alignment, Plane, align},
 };
@@ -87,82 +87,247 @@ pub(crate) fn locate(
     let start = Arc::new(start);
     let after: Vec<usize> = (here + 1..count).collect();
     let before: Vec<usize> = (0..here).rev().collect();
-    let run = |targets: &[usize]| sweep(scene, object, &key, (clean, &start), targets, params);
+    let sweeps = Sweeps { scene, object, key: &key, params };
+    let run = |targets: &[usize]| sweeps.there_and_back((clean, &start), targets);
     let (after, before) = rayon::join(|| run(&after), || run(&before));
     let (after, before) = (after?, before?);
     // Steps lead from frame k to k + 1; the backward sweep measured the way back.
-    let mut steps: Vec<Step> = before.iter().rev().map(|(_, step)| step.reversed()).collect();
-    steps.extend(after.iter().map(|(_, step)| *step));
-    let mut located: Vec<Located> = before.into_iter().rev().map(|(entry, _)| entry).collect();
+    let mut steps: Vec<Step> = before.iter().rev().map(|found| found.step.reversed()).collect();
+    steps.extend(after.iter().map(|found| found.step));
+    let mut located: Vec<Located> = before.into_iter().rev().map(|found| found.located).collect();
     located.push(Located::own());
-    located.extend(after.into_iter().map(|(entry, _)| entry));
+    located.extend(after.into_iter().map(|found| found.located));
     if params.smoothing > 0 {
         path::smooth(&mut located, &steps, key.centre, key.radius);
     }
     Ok(located)
 }
 
-fn sweep(
-    scene: &Scene<'_>,
-    object: &MaskTrack,
-    key: &Keyframe,
-    start: (FrameIndex, &Arc<Seen>),
-    targets: &[usize],
-    params: &TemplateParams,
-) -> Result<Vec<(Located, Step)>, TemplateError> {
-    let (mut before, mut previous) = (start.0, Arc::clone(start.1));
-    let mut transform = Matrix3::identity();
-    let mut carried = Carried::default();
-    let mut spread = Matrix4::from_diagonal_element(1e-6);
-    let mut located = Vec::with_capacity(targets.len());
-    for target in targets {
-        scene.watch.check()?;
-        let index = FrameIndex(*target as u32);
-        let seen = Arc::new(Seen::load(scene, object, index)?);
-        let hands = [before, index].map(|at| scene.landmarks.get(at.as_usize()));
-        let hands = Hands { scale: &scene.scale, before: hands[0], after: hands[1] };
-        let steps = step(key, &previous, &seen, &transform, &hands, &mut carried)?;
-        let mut best: Option<(Located, Step, Matrix4<f64>)> = None;
+/// What a sweep found on one frame.
+#[derive(Clone, Copy)]
+struct Found {
+    located: Located,
+    /// From the frame swept before to this one.
+    step: Step,
+    /// Standard deviation of the centre before the frame was looked at, radii of the template.
+    doubt: f64,
+}
+
+impl Found {
+    /// Whether the frame alone fixes the placement: sweeps may start here.
+    fn is_anchor(&self) -> bool {
+        self.located.evidence > 0.8 && self.located.visible > 0.85 && self.located.rating > 1.1
+    }
+
+    /// How far to believe it.
+    fn worth(&self) -> f64 {
+        self.located.rating - 0.25 * self.doubt.min(1.0)
+    }
+}
+
+/// What sweeps over frames read.
+struct Sweeps<'a> {
+    scene: &'a Scene<'a>,
+    object: &'a MaskTrack,
+    key: &'a Keyframe,
+    params: &'a TemplateParams,
+}
+
+impl Sweeps<'_> {
+    /// Sweeps from `start` over `targets`; where the object comes out of hiding again, sweeps back to
+    /// where it went into hiding, and keeps the better of both: after a thing was put down, what is
+    /// seen later tells more of where it lies than what was seen before it was taken up.
+    fn there_and_back(
+        &self,
+        start: (FrameIndex, &Arc<Seen>),
+        targets: &[usize],
+    ) -> Result<Vec<Found>, TemplateError> {
+        let mut found = self.sweep(start, &Matrix3::identity(), targets)?;
+        let mut open = None;
+        for at in 0..found.len() {
+            if !found[at].is_anchor() {
+                open = open.or(Some(at));
+                continue;
+            }
+            if let Some(first) = open.take() {
+                let index = FrameIndex(targets[at] as u32);
+                let seen = Arc::new(Seen::load(self.scene, self.object, index)?);
+                let way: Vec<usize> = targets[first..at].iter().rev().copied().collect();
+                let back = self.sweep((index, &seen), &found[at].located.transform, &way)?;
+                merge(&mut found[first..=at], &back);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Sweeps from `start`, where the object lies at `transform`, over `targets`.
+    fn sweep(
+        &self,
+        start: (FrameIndex, &Arc<Seen>),
+        transform: &Matrix3<f64>,
+        targets: &[usize],
+    ) -> Result<Vec<Found>, TemplateError> {
+        let (mut before, mut previous) = (start.0, Arc::clone(start.1));
+        let mut transform = *transform;
+        let mut carried = Carried::default();
+        let mut spread = Matrix4::from_diagonal_element(1e-6);
+        let mut all = Vec::with_capacity(targets.len());
+        for target in targets {
+            self.scene.watch.check()?;
+            let index = FrameIndex(*target as u32);
+            let seen = Arc::new(Seen::load(self.scene, self.object, index)?);
+            let hands = [before, index].map(|at| self.scene.landmarks.get(at.as_usize()));
+            let hands = Hands { scale: &self.scene.scale, before: hands[0], after: hands[1] };
+            let steps = step(self.key, &previous, &seen, &transform, &hands, &mut carried)?;
+            let (found, wider) = self.likeliest(&steps, &seen, &transform, &spread)?;
+            spread = wider;
+            if let Some(known) = spread.try_inverse()
+                && let Some(narrower) = (known + found.located.information).try_inverse()
+            {
+                spread = narrower;
+            }
+            transform = found.located.transform;
+            all.push(found);
+            (before, previous) = (index, seen);
+        }
+        Ok(all)
+    }
+
+    /// What the likeliest of `steps` leads to, and the covariance of its prediction.
+    fn likeliest(
+        &self,
+        steps: &[Step],
+        seen: &Seen,
+        transform: &Matrix3<f64>,
+        spread: &Matrix4<f64>,
+    ) -> Result<(Found, Matrix4<f64>), TemplateError> {
+        let key = self.key;
+        let mut best: Option<(Found, Matrix4<f64>)> = None;
         for step in steps {
             // Another motion than the likeliest has to explain the frame clearly better.
             let other = step.transform * transform;
-            if best.as_ref().is_some_and(|(_, first, _)| near(key, &(first.transform * transform), &other)) {
+            let first = best.as_ref().map(|(found, _)| found.step.transform * transform);
+            if first.is_some_and(|first| key.near(&first, &other, 1.0)) {
                 continue;
             }
             let spread = spread + step.precision().try_inverse().unwrap_or_else(Matrix4::zeros);
-            let found = measure(key, &seen, &other, &spread, params)?;
-            if best.as_ref().is_none_or(|(kept, _, _)| found.rating > kept.rating + 0.03) {
-                best = Some((found, step, spread));
+            let located = measure(key, seen, &other, &spread, self.params)?;
+            if best.as_ref().is_none_or(|(kept, _)| located.rating > kept.located.rating + 0.02) {
+                let doubt = (spread[(0, 0)] + spread[(1, 1)]).max(0.0).sqrt() / key.radius;
+                best = Some((Found { located, step: *step, doubt }, spread));
             }
         }
-        let Some((mut found, step, wider)) = best else { continue };
-        spread = wider;
-        let predicted = step.transform * transform;
-        if !found.transform.iter().all(|v| v.is_finite()) {
-            found = Located { transform: predicted, evidence: 0.0, ..found };
-            found.information = Matrix4::zeros();
+        let still = Step { transform: Matrix3::identity(), shift: 3.0, form: 0.02 };
+        let (mut found, wider) = best.unwrap_or_else(|| {
+            let located = Located { transform: *transform, evidence: 0.0, ..Located::own() };
+            (Found { located, step: still, doubt: 1.0 }, *spread)
+        });
+        if !found.located.transform.iter().all(|v| v.is_finite()) {
+            found.located.transform = found.step.transform * transform;
+            (found.located.evidence, found.located.information) = (0.0, Matrix4::zeros());
         }
-        if let Some(known) = spread.try_inverse()
-            && let Some(narrower) = (known + found.information).try_inverse()
-        {
-            spread = narrower;
-        }
-        transform = found.transform;
-        located.push((found, step));
-        (before, previous) = (index, seen);
+        Ok((found, wider))
     }
-    Ok(located)
 }
 
-/// Whether two placements are much the same.
-fn near(key: &Keyframe, a: &Matrix3<f64>, b: &Matrix3<f64>) -> bool {
-    let (x, y) = key.centre;
-    let corners = [(x - key.radius, y), (x + key.radius, y), (x, y + key.radius)];
-    corners.iter().all(|(x, y)| {
-        let (a, b) = (apply(a, *x, *y), apply(b, *x, *y));
-        (a.0 - b.0).hypot(a.1 - b.1) < 1.0
-    })
+/// Takes over from the way `back` what is worth more than the way there. `there` ends with the anchor
+/// that `back` starts from.
+fn merge(there: &mut [Found], back: &[Found]) {
+    let last = there.len() - 1;
+    for (way, found) in back.iter().enumerate() {
+        let at = last - 1 - way;
+        if found.worth() > there[at].worth() {
+            there[at].located = found.located;
+            there[at].doubt = found.doubt;
+            // The step measured on the way back leads from the frame after.
+            there[at + 1].step = found.step.reversed();
+        }
+    }
 }
+
+/// Pictures of one frame that the clean view is aligned to, inside a rectangle of it.
+struct Target {
+    roi: Roi,
+    /// Pixels of the mask in the rectangle.
+    area: f64,
+    mask: Plane,
+    /// 0 where an arm hides what lies below, 1 well away from there.
+    clear: Plane,
+    border_trust: Plane,
+    texture_trust: Plane,
+    soft_mask: Plane,
+    wide_mask: Plane,
+    gray: Plane,
+}
+
+impl Target {
+    fn new(key: &Keyframe, seen: &Seen, predicted: &Matrix3<f64>) -> Result<Self, TemplateError> {
+        let (width, height) = (seen.view.width, seen.view.height);
+        let margin = (0.5 * key.radius).max(24.0);
+        let mut roi = Roi::around(key.bounds(predicted), margin, width, height);
+        if let Some(b) = bounds_of(&seen.mask, width) {
+            roi = roi.union(&Roi::around(b, margin, width, height));
+        }
+        let bytes = roi.crop(&seen.mask, width);
+        let classes = roi.crop(&seen.view.arms, width);
+        let plane = |data: Vec<f32>| Plane { width: roi.width, height: roi.height, data };
+        let mask = plane(bytes.iter().map(|v| f32::from(*v)).collect());
+        // An arm, where the mask does not show the object, hides what lies below and the border there.
+        let open = |at: usize| f32::from(u8::from(classes[at] < arm::MASK || bytes[at] != 0));
+        let clear = plane((0..roi.area()).map(open).collect()).blurred(2.5)?;
+        let border = clear.data.iter().map(|v| ((v - 0.9) / 0.1).clamp(0.0, 1.0)).collect();
+        Ok(Self {
+            area: bytes.iter().filter(|v| **v != 0).count() as f64,
+            border_trust: plane(border),
+            texture_trust: mask.blurred(1.0)?,
+            soft_mask: mask.blurred(1.5)?,
+            wide_mask: mask.blurred(4.0)?,
+            gray: roi.crop_plane(&seen.view.gray_plane).blurred(0.8)?,
+            clear,
+            mask,
+            roi,
+        })
+    }
+
+    fn outline<'a>(&'a self, key: &'a Keyframe, target: &'a Plane) -> AlignChannel<'a> {
+        AlignChannel {
+            points: &key.outline,
+            target,
+            trust: Some(&self.border_trust),
+            scale: 0.35,
+            // A thing that turns shows other texture within the same outline: the outline rules.
+            strength: 300.0,
+            photometric: false,
+        }
+    }
+
+    fn texture<'a>(&'a self, key: &'a Keyframe) -> AlignChannel<'a> {
+        AlignChannel {
+            points: &key.texture,
+            target: &self.gray,
+            trust: Some(&self.texture_trust),
+            scale: 14.0,
+            strength: 60.0,
+            photometric: true,
+        }
+    }
+
+    /// The IoU with the mask, and that with the agreement of texture and outline on top.
+    fn rate(&self, key: &Keyframe, found: &Alignment) -> opencv::Result<(f64, f64)> {
+        let placed = key.place(&(self.offset() * found.transform), &self.roi)?;
+        let overlap = visible_overlap(&placed, &self.mask, &self.clear);
+        Ok((overlap, overlap + 0.3 * found.agreement * found.seen))
+    }
+
+    /// Pixels of the rectangle to those of the frame.
+    fn offset(&self) -> Matrix3<f64> {
+        Matrix3::new(1.0, 0.0, self.roi.x as f64, 0.0, 1.0, self.roi.y as f64, 0.0, 0.0, 1.0)
+    }
+}
+
+/// How much of what is seen of a hidden object is believed over what its motion between frames is
+/// guessed to be.
+const HIDDEN_WEIGHT: f64 = 4.0;
 
 /// Aligns the clean view to a frame. `spread` is the covariance of the prediction's
 /// [`Pose::vector`](super::pose::Pose::vector).
@@ -173,111 +338,90 @@ fn measure(
     spread: &Matrix4<f64>,
     params: &TemplateParams,
 ) -> Result<Located, TemplateError> {
-    let (width, height) = (seen.view.width, seen.view.height);
-    let margin = (0.5 * key.radius).max(24.0);
-    let mut roi = Roi::around(key.bounds(predicted), margin, width, height);
-    if let Some(b) = crate::segment::object::bounds_of(&seen.mask, width) {
-        let mask = Roi::around(b, margin, width, height);
-        roi = roi.union(&mask);
+    let target = Target::new(key, seen, predicted)?;
+    let visible = (target.area / area_of(key, predicted)).min(1.0);
+    if !seen.trusted || target.area < 40.0 {
+        let visible = if target.area < 40.0 { 0.0 } else { visible };
+        let (evidence, rating, information) = (0.0, 0.0, Matrix4::zeros());
+        return Ok(Located { transform: *predicted, evidence, visible, rating, information });
     }
-    let mask_bytes = roi.crop(&seen.mask, width);
-    let area = mask_bytes.iter().filter(|v| **v != 0).count() as f64;
-    let visible = (area / area_of(key, predicted)).min(1.0);
-    let fallback =
-        Located { transform: *predicted, evidence: 0.0, visible, rating: 0.0, information: Matrix4::zeros() };
-    if !seen.trusted || area < 40.0 {
-        return Ok(Located { visible: if area < 40.0 { 0.0 } else { visible }, ..fallback });
-    }
-    let classes = roi.crop(&seen.view.arms, width);
-    let plane = |data: Vec<f32>| Plane { width: roi.width, height: roi.height, data };
-    let mask = plane(mask_bytes.iter().map(|v| f32::from(*v)).collect());
-    // An arm, where the mask does not show the object, hides what lies below and the border there.
-    let hidden = |at: usize| classes[at] >= arm::MASK && mask_bytes[at] == 0;
-    let clear = plane((0..roi.area()).map(|at| f32::from(u8::from(!hidden(at)))).collect()).blurred(2.5)?;
-    let border_trust = plane(clear.data.iter().map(|v| ((v - 0.9) / 0.1).clamp(0.0, 1.0)).collect());
-    let texture_trust = mask.blurred(1.0)?;
-    let soft_mask = mask.blurred(1.5)?;
-    let wide_mask = mask.blurred(4.0)?;
-    let gray = roi.crop_plane(&seen.view.gray_plane).blurred(0.8)?;
-    let shift = |x: f64, y: f64| Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0);
-    let into = shift(-(roi.x as f64), -(roi.y as f64));
-    let outline = |target| AlignChannel {
-        points: &key.outline,
-        target,
-        trust: Some(&border_trust),
-        scale: 0.35,
-        strength: 60.0,
-        photometric: false,
-    };
-    let texture = AlignChannel {
-        points: &key.texture,
-        target: &gray,
-        trust: Some(&texture_trust),
-        scale: 14.0,
-        strength: 60.0,
-        photometric: true,
-    };
-    let affine = if params.affine { 1.0 } else { 0.0 };
     let radius_here = key.radius * (area_of(key, predicted) / key.area).sqrt();
     let deviation = |low: usize, high: usize| spread[(low, low)].max(spread[(high, high)]).max(0.0).sqrt();
     // What little is seen of a hidden object cannot tell its shape from its place.
-    let whole = ramp(visible, 0.5, 0.9);
-    let tight = AlignPrior {
-        shift: (2.0 * deviation(0, 1) / radius_here).clamp(0.12, 0.3),
-        scale: 0.003 + 0.027 * whole,
-        rotation: deviation(3, 3).clamp(0.01, 0.08),
-        affine: affine * (0.01 + 0.05 * whole),
+    let affine = if params.affine { ramp(visible, 0.8, 0.97) } else { 0.0 };
+    let prior = AlignPrior {
+        shift: (2.0 * deviation(0, 1) / radius_here).clamp(0.1, 0.3),
+        scale: deviation(2, 2).clamp(0.015, 0.03),
+        rotation: deviation(3, 3).clamp(0.02, 0.08),
+        affine: 0.06 * affine,
         perspective: 0.0,
     };
-    let (start, centre, radius) = (into * predicted, key.centre, key.radius);
-    let fine = |start: &Matrix3<f64>, prior: &AlignPrior| {
-        align(&[texture_ref(&texture), outline(&soft_mask)], start, centre, radius, prior, 12)
-    };
-    let back = shift(roi.x as f64, roi.y as f64);
-    let rate = |candidate: &Alignment| -> opencv::Result<(f64, f64)> {
-        let placed = key.place(&(back * candidate.transform), &roi)?;
-        let overlap = visible_overlap(&placed, &mask, &clear);
-        Ok((overlap, overlap + 0.3 * candidate.agreement * candidate.seen))
-    };
-    let mut best = fine(&start, &tight);
-    let mut rating = rate(&best)?;
+    let start = shifted_back(&target.roi) * predicted;
+    let both = [target.texture(key), target.outline(key, &target.soft_mask)];
+    let mut best = align(&both, &start, key.centre, key.radius, &prior, 10);
+    let mut rating = target.rate(key, &best)?;
     // Where most of the object is seen, or prediction says nothing, the outline may move it further:
     // prediction was off, or the object shows another side and its texture no longer fits.
     let lost = deviation(0, 1) > 0.35 * radius_here;
     if rating.0 < 0.97 || lost {
-        let loose = AlignPrior {
-            shift: 0.4,
-            scale: 0.003 + 0.047 * whole,
-            rotation: 0.02 + 0.08 * whole,
-            affine: affine * 0.05 * whole,
-            perspective: 0.0,
-        };
-        let near = AlignPrior { shift: 0.12, ..loose };
-        let coarse = align(&[outline(&wide_mask)], &start, centre, radius, &loose, 8);
-        let mut candidates = vec![
-            fine(&coarse.transform, &near),
-            align(&[outline(&soft_mask)], &coarse.transform, centre, radius, &near, 8),
-        ];
-        if rating.0 < 0.86 {
-            let placed = key.place(predicted, &roi)?;
-            let moved = by_moments(&placed, &mask, &clear) * start;
-            let outlined = align(&[outline(&wide_mask)], &moved, centre, radius, &loose, 8);
-            candidates.push(align(&[outline(&soft_mask)], &outlined.transform, centre, radius, &near, 8));
-            candidates.push(fine(&outlined.transform, &near));
-        }
-        for candidate in candidates {
-            let other = rate(&candidate)?;
+        for candidate in candidates(key, &target, predicted, visible, affine, rating.0 < 0.97)? {
+            let other = target.rate(key, &candidate)?;
             if other.1 > rating.1 + 0.01 {
                 (best, rating) = (candidate, other);
             }
         }
     }
-    let transform = back * best.transform;
+    let transform = target.offset() * best.transform;
     let sound = ramp(best.agreement, 0.35, 0.75) * ramp(rating.0, 0.4, 0.8);
-    let information = information(&best, &transform, radius, affine) * sound;
+    let weight = HIDDEN_WEIGHT + (1.0 - HIDDEN_WEIGHT) * ramp(visible, 0.6, 0.9);
+    let information = information(&best, &transform, key.radius, affine) * sound * weight;
     let evidence = sound * ramp(visible, 0.05, 0.4);
-    let visible = (area / area_of(key, &transform)).min(1.0);
+    let visible = (target.area / area_of(key, &transform)).min(1.0);
     Ok(Located { transform, evidence, visible, rating: rating.1, information })
+}
+
+/// Alignments from further away than the prediction allows; `off`: the prediction does not fit.
+fn candidates(
+    key: &Keyframe,
+    target: &Target,
+    predicted: &Matrix3<f64>,
+    visible: f64,
+    affine: f64,
+    off: bool,
+) -> Result<Vec<Alignment>, TemplateError> {
+    let whole = ramp(visible, 0.5, 0.9);
+    let loose = AlignPrior {
+        shift: 0.4,
+        scale: 0.015 + 0.035 * whole,
+        rotation: 0.02 + 0.08 * whole,
+        affine: 0.05 * affine,
+        perspective: 0.0,
+    };
+    let near = AlignPrior { shift: 0.12, ..loose };
+    let (wide, soft) = (target.outline(key, &target.wide_mask), target.outline(key, &target.soft_mask));
+    let (wide, soft, both) = ([wide], [soft], [target.texture(key), target.outline(key, &target.soft_mask)]);
+    let fit = |channels: &[AlignChannel<'_>], start: &Matrix3<f64>, prior: &AlignPrior, iterations: usize| {
+        align(channels, start, key.centre, key.radius, prior, iterations)
+    };
+    let start = shifted_back(&target.roi) * predicted;
+    let coarse = fit(&wide, &start, &loose, 8).transform;
+    let mut found = vec![fit(&both, &coarse, &near, 10), fit(&soft, &coarse, &near, 8)];
+    if off {
+        let placed = key.place(predicted, &target.roi)?;
+        let moved = by_moments(&placed, &target.mask, &target.clear) * start;
+        let outlined = fit(&wide, &moved, &loose, 8).transform;
+        found.extend([fit(&soft, &outlined, &near, 8), fit(&both, &outlined, &near, 10)]);
+        if let Some(seen) = target.mask.moments().filter(|_| visible < 0.8) {
+            let turned = [-0.15, 0.15].map(|angle| turned_about(seen.centre, angle) * moved);
+            found.extend(turned.iter().map(|start| fit(&both, start, &near, 8)));
+        }
+    }
+    Ok(found)
+}
+
+/// Pixels of a frame to those of a rectangle of it.
+fn shifted_back(roi: &Roi) -> Matrix3<f64> {
+    Matrix3::new(1.0, 0.0, -(roi.x as f64), 0.0, 1.0, -(roi.y as f64), 0.0, 0.0, 1.0)
 }
 
 /// What an alignment says about [`Pose::vector`](super::pose::Pose::vector), aspect and shear left open.
@@ -302,10 +446,6 @@ fn information(found: &Alignment, transform: &Matrix3<f64>, radius: f64, affine:
 
 fn ramp(value: f64, low: f64, high: f64) -> f64 {
     ((value - low) / (high - low)).clamp(0.0, 1.0)
-}
-
-fn texture_ref<'a>(channel: &AlignChannel<'a>) -> AlignChannel<'a> {
-    AlignChannel { points: channel.points, target: channel.target, trust: channel.trust, ..*channel }
 }
 
 /// IoU of the placed shape and the mask where no arm hides either.

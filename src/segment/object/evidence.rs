@@ -38,7 +38,7 @@ impl Evidence {
             .zip(&classes)
             .map(|(lab, class)| {
                 let prior = match *class {
-                    arm::SKELETON => 3.0,
+                    arm::SKELETON => 2.2,
                     arm::MASK => 1.5,
                     arm::NEAR => -1.5,
                     _ => -5.0,

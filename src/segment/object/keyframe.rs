@@ -92,6 +92,15 @@ impl Keyframe {
         Plane::from_mat(&out)
     }
 
+    /// Whether two placements lie within `tolerance` pixels of each other.
+    pub fn near(&self, a: &Matrix3<f64>, b: &Matrix3<f64>, tolerance: f64) -> bool {
+        let ((x, y), r) = (self.centre, self.radius);
+        [(x - r, y), (x + r, y), (x, y + r)].iter().all(|(x, y)| {
+            let (a, b) = (apply(a, *x, *y), apply(b, *x, *y));
+            (a.0 - b.0).hypot(a.1 - b.1) < tolerance
+        })
+    }
+
     /// Corners of the crop's shape box carried by `transform`: `(x0, y0, x1, y1)`.
     pub fn bounds(&self, transform: &Matrix3<f64>) -> (f64, f64, f64, f64) {
         let (x0, y0, x1, y1) = self.tight;
@@ -111,9 +120,17 @@ pub(crate) fn apply(transform: &Matrix3<f64>, x: f64, y: f64) -> (f64, f64) {
     (v.x / w, v.y / w)
 }
 
-/// Interior samples: denser where there is texture, about a thousand.
+/// The turn by `angle` about `pivot`.
+pub(crate) fn turned_about(pivot: (f64, f64), angle: f64) -> Matrix3<f64> {
+    let (sin, cos) = angle.sin_cos();
+    let x = pivot.0 - cos * pivot.0 + sin * pivot.1;
+    let y = pivot.1 - sin * pivot.0 - cos * pivot.1;
+    Matrix3::new(cos, -sin, x, sin, cos, y, 0.0, 0.0, 1.0)
+}
+
+/// Interior samples: denser where there is texture, about seven hundred.
 fn texture_points(gray: &Plane, distance: &Plane, roi: &Roi, area: f64) -> Vec<AlignPoint> {
-    let step = ((area / 1200.0).sqrt().ceil() as usize).max(1);
+    let step = ((area / 700.0).sqrt().ceil() as usize).max(1);
     let mut points = Vec::new();
     for y in (1..roi.height - 1).step_by(step) {
         for x in (1..roi.width - 1).step_by(step) {
@@ -134,7 +151,7 @@ fn texture_points(gray: &Plane, distance: &Plane, roi: &Roi, area: f64) -> Vec<A
 fn outline_points(soft: &Plane, distance: &Plane, roi: &Roi) -> Vec<AlignPoint> {
     let band = |d: f32| d.abs() <= 6.0;
     let count = distance.data.iter().filter(|d| band(**d)).count();
-    let step = ((count as f64 / 1200.0).sqrt().ceil() as usize).max(1);
+    let step = ((count as f64 / 700.0).sqrt().ceil() as usize).max(1);
     let mut points = Vec::new();
     for y in (0..roi.height).step_by(step) {
         for x in (0..roi.width).step_by(step) {

@@ -12,6 +12,7 @@ mod motion;
 mod params;
 mod rating;
 mod redetect;
+mod refine;
 mod seed;
 mod shape;
 mod step;
@@ -28,7 +29,7 @@ use std::{
 
 use rayon::prelude::*;
 
-pub(crate) use keyframe::{Keyframe, apply};
+pub(crate) use keyframe::{Keyframe, apply, turned_about};
 pub(crate) use motion::{LocalFlow, Similarity, fit_similarity};
 pub use params::{ObjectParams, ObjectPrompt, PromptKind};
 

@@ -8,11 +8,12 @@ use opencv::{
 
 use super::{
     evidence::{Colours, Evidence},
-    keyframe::Keyframe,
+    keyframe::{Keyframe, apply},
     step::State,
     view::{Roi, Scene, View},
 };
 use crate::{
+    clip::FrameIndex,
     segment::SegmentError,
     vision::{AlignChannel, AlignPrior, Alignment, ColourModel, Plane, align},
 };
@@ -26,17 +27,21 @@ const TURNS: usize = 12;
 /// Agreement of texture and outline that a find needs.
 const LEAST_AGREEMENT: f64 = 0.6;
 
-/// Looks for the keyframe of `state` all over `view`; the transform of keyframe pixels to the view's.
+/// Looks for the keyframe of `state` on frame `index`, wherever in `view` it can have got to; the transform of keyframe pixels to the view's.
 pub(super) fn redetect(
     scene: &Scene<'_>,
     state: &State,
     view: &View,
+    index: FrameIndex,
 ) -> Result<Option<Matrix3<f64>>, SegmentError> {
     let Some(now) = Searched::new(scene, state, view)? else { return Ok(None) };
     let Some(then) = Searched::new(scene, state, &state.witness)? else { return Ok(None) };
     let key = &state.key;
     let mut best: Option<(f64, Matrix3<f64>)> = None;
     for place in places(key, &now.likely)? {
+        if !within_reach(scene, state, index, place) {
+            continue;
+        }
         let own = (place.0 - key.centre.0).hypot(place.1 - key.centre.1) < 0.7 * key.radius;
         for turn in 0..TURNS {
             let start = turned(key, place, turn as f64 * std::f64::consts::TAU / TURNS as f64);
@@ -57,6 +62,19 @@ pub(super) fn redetect(
         }
     }
     Ok(best.map(|(_, transform)| transform))
+}
+
+/// Whether the object can be at `place`: not far from where it went missing, or
+/// beside a hand that held it.
+fn within_reach(scene: &Scene<'_>, state: &State, index: FrameIndex, place: (f64, f64)) -> bool {
+    let radius = state.key.radius;
+    let last = apply(&state.transform, state.key.centre.0, state.key.centre.1);
+    let reach = (3.0 + 0.1 * f64::from(state.missing)).min(6.0) * radius;
+    let near_hand = scene
+        .grip(index)
+        .iter()
+        .any(|(tip, palm)| (tip.x - place.0).hypot(tip.y - place.1) < palm + 2.0 * radius);
+    state.held > 0.5 && near_hand || (last.0 - place.0).hypot(last.1 - place.1) < reach
 }
 
 /// A view prepared for the search.

@@ -9,12 +9,14 @@ use super::{
     keyframe::{Keyframe, apply},
     motion::{LocalFlow, fit_similarity},
     redetect::redetect,
+    refine::refine,
     shape::{bounds_of, fill_holes, iou, keep_components, signed_distance},
     view::{Roi, Scene, View, arm},
 };
 use crate::{
+    clip::FrameIndex,
     segment::SegmentError,
-    vision::{AlignChannel, AlignPrior, Alignment, ColourModel, EdgeWeights, Plane, align, tv_cut},
+    vision::{ColourModel, EdgeWeights, Plane, tv_cut},
 };
 
 /// Where the object is on one frame, and what has been learned so far.
@@ -97,22 +99,27 @@ fn surround(key: &Keyframe) -> f64 {
 }
 
 /// Advances `state` to `view`.
-pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Result<State, SegmentError> {
-    let Prediction { likely: mut predicted, mut others, held } = predict(state, &view)?;
+pub(crate) fn advance(
+    scene: &Scene<'_>,
+    state: &State,
+    view: Arc<View>,
+    index: FrameIndex,
+) -> Result<State, SegmentError> {
+    let mut prediction = predict(state, &view)?;
     // A search costs as much as several frames: not on every one.
     if state.missing >= 2
         && state.missing.is_multiple_of(3)
-        && let Some(found) = redetect(scene, state, &view)?
+        && let Some(found) = redetect(scene, state, &view, index)?
     {
-        predicted = found;
-        others.clear();
+        prediction = Prediction { likely: found, others: Vec::new(), resting: false, ..prediction };
     }
     let margin = surround(&state.key).max(20.0);
     let around = |start: &Matrix3<f64>| Roi::around(state.key.bounds(start), margin, view.width, view.height);
-    let roi = others.iter().fold(around(&predicted), |roi, other| roi.union(&around(other)));
+    let roi =
+        prediction.others.iter().fold(around(&prediction.likely), |roi, other| roi.union(&around(other)));
     let evidence = Evidence::read(&view, &roi, &state.colours, scene.arm_colours.as_ref());
     let free = evidence.free_of_arm(&roi);
-    let (transform, agreement) = refine(state, &view, &roi, &evidence, &free, (&predicted, &others))?;
+    let (transform, agreement) = refine(state, &view, &roi, &evidence, &free, &prediction)?;
     let placed = state.key.place(&transform, &roi)?;
     let placed_bytes: Vec<u8> = placed.data.iter().map(|v| u8::from(*v > 0.5)).collect();
     let distance = signed_distance(&placed_bytes, roi.width, roi.height)?;
@@ -155,7 +162,7 @@ pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Resu
         view,
         transform,
         shape,
-        held,
+        held: prediction.held,
         visible,
         missing,
         age: state.age + 1,
@@ -169,12 +176,14 @@ pub(crate) fn advance(scene: &Scene<'_>, state: &State, view: Arc<View>) -> Resu
 }
 
 /// Where the object may be.
-struct Prediction {
+pub(super) struct Prediction {
     /// The likeliest transform: by the flow of what is visible, else by what the object goes with.
-    likely: Matrix3<f64>,
+    pub likely: Matrix3<f64>,
     /// Others: with the scene, with the hand.
-    others: Vec<Matrix3<f64>>,
+    pub others: Vec<Matrix3<f64>>,
     held: f64,
+    /// Whether the likeliest is to lie still in the scene.
+    pub resting: bool,
 }
 
 /// Predicts the transform from flow.
@@ -208,74 +217,19 @@ fn predict(state: &State, view: &View) -> Result<Prediction, SegmentError> {
     }
     let hand = hand.filter(|fit| fit.agreement > 0.3);
     let carrier = if held > 0.5 { hand.or(background) } else { background.or(hand) };
-    let others = [background, hand].into_iter().flatten().map(|fit| fit.transform * state.transform);
+    // What nobody has been seen to move is taken to lie where it was while a hand passes before it.
+    let resting = held < 0.5 && state.visible < 0.9 && background.is_some_and(|fit| fit.agreement > 0.5);
+    let own = if resting { object.filter(|_| enough) } else { background };
+    let others = [own, hand].into_iter().flatten().map(|fit| fit.transform * state.transform);
     let others = others.collect();
     let step = match (object, carrier) {
+        (_, Some(carrier)) if resting => carrier.transform,
         (Some(object), _) if enough => object.transform,
         (_, Some(carrier)) => carrier.transform,
         (Some(object), None) => object.transform,
         (None, None) => Matrix3::identity(),
     };
-    Ok(Prediction { likely: step * state.transform, others, held })
-}
-
-/// Aligns the keyframe's texture and outline to the view, from the likeliest start; another start
-/// wins where it explains the view clearly better.
-fn refine(
-    state: &State,
-    view: &View,
-    roi: &Roi,
-    evidence: &Evidence,
-    free: &Plane,
-    (likely, others): (&Matrix3<f64>, &[Matrix3<f64>]),
-) -> Result<(Matrix3<f64>, f64), SegmentError> {
-    let gray = roi.crop_plane(&view.gray_plane).blurred(0.8)?;
-    let probability = evidence.object_probability(roi).blurred(1.5)?;
-    let trust = free.blurred(1.0)?;
-    let shift = Matrix3::new(1.0, 0.0, roi.x as f64, 0.0, 1.0, roi.y as f64, 0.0, 0.0, 1.0);
-    let back = Matrix3::new(1.0, 0.0, -(roi.x as f64), 0.0, 1.0, -(roi.y as f64), 0.0, 0.0, 1.0);
-    let key = &state.key;
-    let texture = AlignChannel {
-        points: &key.texture,
-        target: &gray,
-        trust: Some(&trust),
-        scale: 16.0,
-        strength: 50.0,
-        photometric: true,
-    };
-    let outline = AlignChannel {
-        points: &key.outline,
-        target: &probability,
-        trust: Some(&trust),
-        scale: 0.35,
-        strength: 40.0,
-        photometric: false,
-    };
-    // What little is seen of a hidden object cannot tell its shape from its place.
-    let whole = ((state.visible - 0.5) / 0.4).clamp(0.0, 1.0);
-    let prior = AlignPrior {
-        shift: 0.12,
-        scale: 0.008 + 0.017 * whole,
-        rotation: 0.02 + 0.02 * whole,
-        affine: 0.005 + 0.03 * whole,
-        perspective: 0.002 + 0.008 * whole,
-    };
-    let channels = [texture, outline];
-    let fit = |start: &Matrix3<f64>| align(&channels, &(back * start), key.centre, key.radius, &prior, 12);
-    let rating = |found: &Alignment| found.agreement * (0.6 + 0.4 * found.seen);
-    let mut found = fit(likely);
-    let centre = |start: &Matrix3<f64>| apply(start, key.centre.0, key.centre.1);
-    let first = centre(likely);
-    for other in others {
-        let place = centre(other);
-        if (place.0 - first.0).hypot(place.1 - first.1) > 1.5 && found.agreement < 0.9 {
-            let again = fit(other);
-            if rating(&again) > rating(&found) + 0.03 {
-                found = again;
-            }
-        }
-    }
-    Ok((shift * found.transform, found.agreement))
+    Ok(Prediction { likely: step * state.transform, others, held, resting })
 }
 
 /// Cuts the visible part out of the view: colours, arms, the carried shape, edges.

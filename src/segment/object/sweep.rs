@@ -47,7 +47,7 @@ pub(crate) fn sweep(
     let mut found = Vec::new();
     for index in targets {
         scene.watch.check()?;
-        state = advance(scene, &state, Arc::new(scene.view(index)?))?;
+        state = advance(scene, &state, Arc::new(scene.view(index)?), index)?;
         found.push(Found::of(&state, scene));
         done();
     }

@@ -119,18 +119,35 @@ impl Scene<'_> {
             }
             let view = self.view(FrameIndex(index as u32))?;
             let sure = view.arms.contains(&arm::SKELETON);
-            let weight = |class: u8| match class {
-                arm::SKELETON => 1.0,
-                arm::MASK if sure => 0.5,
-                arm::MASK => 0.25,
-                _ => 0.0,
-            };
-            samples.extend(
-                view.arms.iter().zip(&view.lab).map(|(c, lab)| (*lab, weight(*c))).filter(|s| s.1 > 0.0),
-            );
+            let grip = self.grip(FrameIndex(index as u32));
+            for (at, (class, lab)) in view.arms.iter().zip(&view.lab).enumerate() {
+                let (x, y) = ((at % view.width) as f64, (at / view.width) as f64);
+                // An arm mask may have taken along what the fingers hold.
+                let gripped = |(tip, reach): &(Pixel, f64)| (tip.x - x).hypot(tip.y - y) < *reach;
+                let weight = match *class {
+                    arm::SKELETON => 1.0,
+                    arm::MASK if sure && !grip.iter().any(gripped) => 0.5,
+                    arm::MASK if !sure => 0.25,
+                    _ => continue,
+                };
+                samples.push((*lab, weight));
+            }
         }
         self.arm_colours = ColourModel::learn(samples.into_iter());
         Ok(())
+    }
+
+    /// Work pixels around which a hand may hold something, with the reach of the grip.
+    pub fn grip(&self, index: FrameIndex) -> Vec<(Pixel, f64)> {
+        let Some(hands) = self.landmarks.get(index.as_usize()) else { return Vec::new() };
+        let mut grip = Vec::new();
+        for (_, hand) in hands.iter() {
+            let Some(hand) = hand else { continue };
+            let points: Vec<Pixel> = hand.keypoints.iter().map(|p| self.scale.to_work(*p)).collect();
+            let palm = points[5].distance(points[17]).max(0.4 * points[0].distance(points[9]));
+            grip.extend(keypoint::TIPS.iter().map(|k| (points[*k], palm)));
+        }
+        grip
     }
 }
 
