@@ -248,9 +248,9 @@ impl<'a> PlateView<'a> {
 
     /// The part `region` of the plate, in the frame's colours.
     fn draw(&self, region: Rect) -> opencv::Result<Part> {
-        let picture = self.warp.draw(&self.plate.picture, region, imgproc::INTER_CUBIC, None)?;
-        let nothing = Some(Scalar::all(0.0));
-        let mut origin = self.warp.draw(&self.plate.origin, region, imgproc::INTER_NEAREST, nothing)?;
+        let (source, origin) = (&self.plate.picture, &self.plate.origin);
+        let (picture, mut origin) =
+            self.warp.draw_with_mask(source, origin, region, imgproc::INTER_NEAREST, 0.0)?;
         let picture = with_offset(&picture, &self.offset, self.full, region)?;
         self.moved.take_out(&picture, &mut origin)?;
         Ok(Part { picture, origin, weight: self.weight })

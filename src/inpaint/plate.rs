@@ -183,8 +183,8 @@ fn draw_source(
     let Some(warp) = registration.register(&plate.view, &source.view, guess, Some(still))? else {
         return Ok(None);
     };
-    let picture = warp.draw(&source.picture, region, imgproc::INTER_CUBIC, None)?;
-    let blocked = warp.draw(&source.blocked, region, imgproc::INTER_LINEAR, Some(Scalar::all(255.0)))?;
+    let (picture, blocked) =
+        warp.draw_with_mask(&source.picture, &source.blocked, region, imgproc::INTER_LINEAR, 255.0)?;
     let mut valid = Mat::default();
     imgproc::threshold(&blocked, &mut valid, 0.0, 255.0, imgproc::THRESH_BINARY_INV)?;
     let (colour, shown) = warp.draw_work(&source.view)?;
@@ -489,8 +489,8 @@ fn inherit(
     let Some(warp) = registration.register(&plate.view, &previous.view, &guess, Some(&still))? else {
         return Ok(());
     };
-    let picture = warp.draw(&previous.picture, region, imgproc::INTER_CUBIC, None)?;
-    let origin = warp.draw(&previous.origin, region, imgproc::INTER_NEAREST, Some(Scalar::all(0.0)))?;
+    let (picture, origin) =
+        warp.draw_with_mask(&previous.picture, &previous.origin, region, imgproc::INTER_NEAREST, 0.0)?;
     let (colour, shown) = warp.draw_work(&previous.view)?;
     let mut both = Mat::default();
     opencv::core::bitwise_and_def(&shown, &plate.view.valid, &mut both)?;

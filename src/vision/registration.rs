@@ -307,12 +307,42 @@ impl Warp {
         interpolation: i32,
         outside: Option<Scalar>,
     ) -> opencv::Result<Mat> {
+        let maps = self.residual.as_ref().map(|residual| self.maps(residual, region)).transpose()?;
+        self.draw_by(maps.as_ref(), source, region, interpolation, outside)
+    }
+
+    /// [`Self::draw`] of a picture with its border repeated, by bicubic interpolation, and of a `mask` of the
+    /// same size with an interpolation and value `outside` of its own: cheaper than one after the other.
+    ///
+    /// # Errors
+    /// When OpenCV fails.
+    pub fn draw_with_mask(
+        &self,
+        picture: &Mat,
+        mask: &Mat,
+        region: Rect,
+        interpolation: i32,
+        outside: f64,
+    ) -> opencv::Result<(Mat, Mat)> {
+        let maps = self.residual.as_ref().map(|residual| self.maps(residual, region)).transpose()?;
+        let picture = self.draw_by(maps.as_ref(), picture, region, imgproc::INTER_CUBIC, None)?;
+        let outside = Some(Scalar::all(outside));
+        Ok((picture, self.draw_by(maps.as_ref(), mask, region, interpolation, outside)?))
+    }
+
+    fn draw_by(
+        &self,
+        maps: Option<&(Mat, Mat)>,
+        source: &Mat,
+        region: Rect,
+        interpolation: i32,
+        outside: Option<Scalar>,
+    ) -> opencv::Result<Mat> {
         let mut out = Mat::default();
         let border = if outside.is_some() { BORDER_CONSTANT } else { BORDER_REPLICATE };
         let value = outside.unwrap_or_default();
-        if let Some(residual) = &self.residual {
-            let (xs, ys) = self.maps(residual, region)?;
-            imgproc::remap(source, &mut out, &xs, &ys, interpolation, border, value)?;
+        if let Some((xs, ys)) = maps {
+            imgproc::remap(source, &mut out, xs, ys, interpolation, border, value)?;
             return Ok(out);
         }
         let offset =
@@ -334,13 +364,23 @@ impl Warp {
             let (xs, ys) = (xs.data_typed_mut::<f32>()?, ys.data_typed_mut::<f32>()?);
             let width = region.width as usize;
             let h = self.homography.map(|value| value as f32);
+            let last = residual.width - 1;
+            let columns: Vec<(usize, f32)> = (0..width)
+                .map(|column| {
+                    let x = ((region.x + column as i32) as f32 + 0.5) * step.0 - 0.5;
+                    let x = x.clamp(0.0, last as f32);
+                    let left = (x as usize).min(last.saturating_sub(1));
+                    (left, x - left as f32)
+                })
+                .collect();
             for (row, (xs, ys)) in xs.chunks_exact_mut(width).zip(ys.chunks_exact_mut(width)).enumerate() {
                 let y = (region.y + row as i32) as f32;
                 let vectors = residual.row((y + 0.5) * step.1 - 0.5);
-                for (column, (x_out, y_out)) in xs.iter_mut().zip(ys).enumerate() {
-                    let x = (region.x + column as i32) as f32;
-                    let [dx, dy] = between(&vectors, (x + 0.5) * step.0 - 0.5);
-                    let (u, v) = (x + dx, y + dy);
+                let mut x = region.x as f32;
+                for ((left, share), (x_out, y_out)) in columns.iter().zip(xs.iter_mut().zip(ys)) {
+                    let (a, b) = (vectors[*left], vectors[(left + 1).min(last)]);
+                    let (u, v) = (x + a[0] + (b[0] - a[0]) * share, y + a[1] + (b[1] - a[1]) * share);
+                    x += 1.0;
                     let scale = 1.0 / (h[(2, 0)] * u + h[(2, 1)] * v + h[(2, 2)]);
                     *x_out = (h[(0, 0)] * u + h[(0, 1)] * v + h[(0, 2)]) * scale;
                     *y_out = (h[(1, 0)] * u + h[(1, 1)] * v + h[(1, 2)]) * scale;
@@ -407,15 +447,6 @@ impl Residual {
         let pairs = row(above).iter().zip(row(below));
         pairs.map(|(a, b)| [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share]).collect()
     }
-}
-
-/// The value at position `x` of a row, linear between its neighbours.
-fn between(row: &[[f32; 2]], x: f32) -> [f32; 2] {
-    let x = x.clamp(0.0, (row.len() - 1) as f32);
-    let left = x as usize;
-    let (a, b) = (row[left], row[(left + 1).min(row.len() - 1)]);
-    let share = x - left as f32;
-    [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share]
 }
 
 /// What to add to `source` (CV_8UC3) so that its colours meet `target`'s (CV_8UC3), given where both are
