@@ -16,6 +16,12 @@ const LONGEST_GAP: usize = 6;
 const LARGEST_STEP: f64 = 0.40;
 /// Two detections of one frame closer than this are the same hand seen twice.
 const SAME_HAND: f64 = 0.22;
+/// Cosine of the largest angle between a forearm and what lies along it.
+const ALONG: f64 = 0.8;
+/// A hand this much less sure than another may be that one's forearm.
+const DOUBT: f64 = 0.1;
+/// Length of the visible forearm, palms.
+const FOREARM: f64 = 3.0;
 
 impl Tracklet {
     fn last(&self) -> &(usize, Detection) {
@@ -75,16 +81,35 @@ pub(super) fn link(frames: Vec<Vec<Detection>>) -> Vec<Tracklet> {
     tracklets
 }
 
-/// The detections of one frame without a second view of the same hand; the surer one stays.
+/// The detections of one frame without a second view of the same hand, nor a "hand" that lies along another
+/// hand's forearm; the surer one stays.
 fn without_doubles(mut detections: Vec<Detection>) -> Vec<Detection> {
     detections.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut kept: Vec<Detection> = Vec::new();
     for detection in detections {
-        if kept.iter().all(|k| distance(&k.keypoints, &detection.keypoints) > SAME_HAND) {
+        let doubles = |k: &Detection| {
+            distance(&k.keypoints, &detection.keypoints) <= SAME_HAND || lies_on_forearm(&detection, k)
+        };
+        if !kept.iter().any(doubles) {
             kept.push(detection);
         }
     }
     kept
+}
+
+/// Whether `phantom` points the way `hand` does from where the forearm of `hand` is: a tracker that lost its
+/// hand often slides down the arm. A real second hand there points across the arm, or the other way.
+fn lies_on_forearm(phantom: &Detection, hand: &Detection) -> bool {
+    let along = |d: &Detection| (d.keypoints[9].x - d.keypoints[0].x, d.keypoints[9].y - d.keypoints[0].y);
+    let cosine =
+        |a: (f64, f64), b: (f64, f64)| (a.0 * b.0 + a.1 * b.1) / (a.0.hypot(a.1) * b.0.hypot(b.1)).max(1e-9);
+    let (wrist, other) = (hand.keypoints[0], phantom.keypoints[0]);
+    let behind = (wrist.x - other.x, wrist.y - other.y);
+    let palm = along(hand).0.hypot(along(hand).1);
+    let reach = behind.0.hypot(behind.1);
+    let (direction, own) = (cosine(behind, along(hand)), cosine(along(phantom), along(hand)));
+    let doubtful = phantom.score < hand.score - DOUBT;
+    doubtful && direction > ALONG && own > ALONG && (0.5 * palm..FOREARM * palm).contains(&reach)
 }
 
 #[cfg(test)]
@@ -96,6 +121,16 @@ mod tests {
         let keypoints =
             std::array::from_fn(|k| Pixel::new(x + 20.0 * (k % 5) as f64, y + 20.0 * (k / 5) as f64));
         Detection { side, score: 0.9, keypoints, world: None }
+    }
+
+    #[test]
+    fn a_hand_that_slid_down_its_own_arm_is_not_a_second_one() {
+        let real = hand(300.0, 200.0, Side::Left);
+        // The hand points right and down; its forearm lies up and to the left.
+        let slid = Detection { score: 0.6, ..hand(200.0, 175.0, Side::Right) };
+        assert_eq!(without_doubles(vec![slid, real.clone()]), [real.clone()]);
+        let beside = Detection { score: 0.6, ..hand(200.0, 400.0, Side::Right) };
+        assert_eq!(without_doubles(vec![real, beside]).len(), 2);
     }
 
     #[test]
