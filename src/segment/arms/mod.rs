@@ -355,8 +355,11 @@ impl<'a> Clip<'a> {
         for (hand, _) in &self.hands[index] {
             hand.draw_core(&mut anchors, 0.2)?;
         }
+        // Half of a line on the border lies outside; a few rows may be missing where the flow leads there.
+        let thickness = 2 * (0.25 * self.palm_width).round().clamp(3.0, 12.0) as i32;
         let frame = opencv::core::Rect::new(0, 0, cols, rows);
-        imgproc::rectangle(&mut anchors, frame, opencv::core::Scalar::all(255.0), 2, imgproc::LINE_8, 0)?;
+        let white = opencv::core::Scalar::all(255.0);
+        imgproc::rectangle(&mut anchors, frame, white, thickness, imgproc::LINE_8, 0)?;
         binary::touching(mask, &anchors)
     }
 
@@ -493,4 +496,100 @@ fn encode(mask: &Mat) -> opencv::Result<RleMask> {
 
 fn decode(mask: &RleMask) -> opencv::Result<Mat> {
     mask.decode().to_mat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        clip::FramesInMemory,
+        geometry::{Pixel, Size},
+        image::{Mask, Rgb8},
+        landmarks::KEYPOINT_COUNT,
+        progress::Unwatched,
+        segment::MaskFlag,
+    };
+
+    const SIZE: Size = Size { width: 200, height: 160 };
+    const FRAMES: usize = 30;
+
+    /// A bare arm that comes from the lower border; it sways.
+    fn is_arm(frame: usize, x: f64, y: f64) -> bool {
+        let left = 70.0 + 12.0 * (0.25 * frame as f64).sin();
+        y > 50.0 && (left..left + 30.0).contains(&x)
+    }
+
+    /// A green block in front of the fingers.
+    fn is_block(frame: usize, x: f64, y: f64) -> bool {
+        let left = 76.0 + 12.0 * (0.25 * frame as f64).sin();
+        (30.0..52.0).contains(&y) && (left..left + 18.0).contains(&x)
+    }
+
+    fn picture(frame: usize) -> Rgb8 {
+        let mut bytes = Vec::with_capacity(3 * SIZE.area());
+        for index in 0..SIZE.area() {
+            let (x, y) = ((index % 200) as f64, (index / 200) as f64);
+            let grain = (40.0 * ((0.9 * x).sin() * (0.7 * y).cos())) as i32;
+            let colour = if is_block(frame, x, y) {
+                [40, 170, 60]
+            } else if is_arm(frame, x, y) {
+                [205, 150, 125]
+            } else {
+                [90, 100, 140].map(|value| (value + grain).clamp(0, 255) as u8)
+            };
+            bytes.extend(colour);
+        }
+        Rgb8::from_data(SIZE, bytes).unwrap()
+    }
+
+    fn hand(frame: usize) -> HandLandmarks {
+        let left = 70.0 + 12.0 * (0.25 * frame as f64).sin();
+        let mut keypoints = [Pixel::new(left + 15.0, 70.0); KEYPOINT_COUNT];
+        keypoints[0] = Pixel::new(left + 15.0, 95.0);
+        for (finger, x) in [(1, 3.0), (5, 6.0), (9, 12.0), (13, 18.0), (17, 24.0)] {
+            for joint in 0..4 {
+                keypoints[finger + joint] = Pixel::new(left + x, 72.0 - 6.0 * joint as f64);
+            }
+        }
+        HandLandmarks { keypoints, world: None, confidence: 0.9 }
+    }
+
+    fn tracked(seen: impl Fn(usize) -> bool) -> ArmTrack {
+        let frames = FramesInMemory::new((0..FRAMES).map(picture).collect()).unwrap();
+        let landmarks: LandmarkTrack =
+            (0..FRAMES).map(|i| PerSide { left: None, right: seen(i).then(|| hand(i)) }).collect();
+        let folder = tempfile::tempdir().unwrap();
+        let human = BTreeMap::new();
+        let inputs = ArmInputs {
+            frames: &frames,
+            landmarks: &landmarks,
+            human: &human,
+            object: None,
+            scratch: folder.path(),
+        };
+        track_arms(&inputs, &ArmParams::default(), &Unwatched).unwrap()
+    }
+
+    fn shape(frame: usize, inside: impl Fn(usize, f64, f64) -> bool) -> Mask {
+        Mask::from_fn(SIZE, |x, y| inside(frame, f64::from(x), f64::from(y)))
+    }
+
+    #[test]
+    fn an_arm_is_kept_through_frames_without_landmarks_and_leaves_what_it_holds_alone() {
+        let track = tracked(|frame| !(8..24).contains(&frame));
+        for frame in [3, 12, 16, 20, 27] {
+            let mask = track.union.frames[frame].mask.decode();
+            let arm = shape(frame, |f, x, y| is_arm(f, x, y) && !is_block(f, x, y));
+            assert!(mask.iou(&arm) > 0.85, "frame {frame}: {}", mask.iou(&arm));
+            let block = shape(frame, is_block);
+            let taken = mask.data().iter().zip(block.data()).filter(|(m, b)| **m != 0 && **b != 0).count();
+            assert!(taken < block.area() / 3, "frame {frame}: {taken} of {} taken", block.area());
+        }
+    }
+
+    #[test]
+    fn without_any_landmark_every_mask_is_empty_and_lost() {
+        let track = tracked(|_| false);
+        assert!(track.union.frames.iter().all(|f| f.mask.is_empty() && f.flags.contains(&MaskFlag::Lost)));
+    }
 }

@@ -164,7 +164,8 @@ impl Scratch {
             value[1] = y as f32 + vector[1];
         }
         let mut out = Mat::default();
-        let (nothing, border) = (Mat::default(), opencv::core::BORDER_CONSTANT);
+        // What flows in over the border continues what is there.
+        let (nothing, border) = (Mat::default(), opencv::core::BORDER_REPLICATE);
         imgproc::remap(picture, &mut out, &map, &nothing, imgproc::INTER_LINEAR, border, Scalar::all(0.0))?;
         Ok(out)
     }
