@@ -128,7 +128,7 @@ mod tests {
         let real = hand(300.0, 200.0, Side::Left);
         // The hand points right and down; its forearm lies up and to the left.
         let slid = Detection { score: 0.6, ..hand(200.0, 175.0, Side::Right) };
-        assert_eq!(without_doubles(vec![slid, real.clone()]), [real.clone()]);
+        assert_eq!(without_doubles(vec![slid, real.clone()]), std::slice::from_ref(&real));
         let beside = Detection { score: 0.6, ..hand(200.0, 400.0, Side::Right) };
         assert_eq!(without_doubles(vec![real, beside]).len(), 2);
     }
