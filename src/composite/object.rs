@@ -17,6 +17,9 @@ use crate::{
     vision::{BackgroundMotion, binary, fill_smoothly},
 };
 
+/// Share of a template's open pixels that have to look like the source's.
+const ALIKE: f64 = 0.6;
+
 /// What is known of the object on one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectEvidence<'a> {
@@ -26,8 +29,8 @@ pub struct ObjectEvidence<'a> {
     pub placement: Option<&'a Placement>,
     /// The source frame.
     pub source: &'a Rgb8,
-    /// The object's visible part in the source; `None` where that mask is not to be trusted: the
-    /// template is drawn whole then.
+    /// The object's visible part in the source; `None` where that mask is not to be trusted. The
+    /// template is drawn whole then if the source shows it there, else only where a hand hid things.
     pub visible: Option<&'a Mask>,
     /// What hid it: the arm mask.
     pub hidden: &'a Mask,
@@ -116,7 +119,10 @@ pub(super) fn object_layer(
         None => None,
     };
     let own = own_alpha(evidence, region)?;
-    let hidden = hidden_alpha(evidence, region, feather)?;
+    let mut hidden = hidden_alpha(evidence, region, feather)?;
+    if evidence.visible.is_none() && shows(evidence.source, region, template.as_ref(), &hidden, params)? {
+        hidden.fill(1.0);
+    }
     let premultiplied = mixed(evidence.source, region, template.as_ref(), &own, &hidden, params)?;
     let origin = (region.x as u32, region.y as u32);
     Ok(Some(ObjectLayer {
@@ -194,12 +200,32 @@ fn hidden_alpha(
     region: Rect,
     feather: i32,
 ) -> Result<Vec<f32>, CompositeError> {
-    if evidence.visible.is_none() {
-        return Ok(vec![1.0; region.area() as usize]);
-    }
     let hidden = Mat::roi(&evidence.hidden.to_mat()?, region)?.try_clone()?;
     let wide = binary::dilated(&hidden, feather + 2)?;
     softened(&wide, feather)
+}
+
+/// Whether the source, where no hand is in the way, looks like the template placed there: else the object is
+/// somewhere else, and a template drawn whole would be a second one.
+fn shows(
+    source: &Rgb8,
+    region: Rect,
+    template: Option<&Mat>,
+    hidden: &[f32],
+    params: &CompositeParams,
+) -> Result<bool, CompositeError> {
+    let Some(template) = template else { return Ok(false) };
+    let width = region.width as usize;
+    let (mut open, mut alike) = (0_usize, 0_usize);
+    for (i, t) in template.data_typed::<Vec4f>()?.iter().enumerate() {
+        if t[3] > 0.98 && hidden[i] < 0.02 {
+            let (x, y) = (region.x as usize + i % width, region.y as usize + i / width);
+            let colour = source.pixel(x as u32, y as u32).map(f32::from);
+            open += 1;
+            alike += usize::from((0..3).all(|c| (colour[c] - t[c]).abs() <= params.colour_limit));
+        }
+    }
+    Ok(alike as f64 >= ALIKE * open as f64)
 }
 
 fn softened(mask: &Mat, radius: i32) -> Result<Vec<f32>, CompositeError> {
@@ -319,9 +345,10 @@ mod tests {
     use crate::clip::FrameIndex;
 
     const SIZE: Size = Size::new(80, 60);
+    const RED: [u8; 3] = [200, 30, 30];
 
     /// A red 40×40 object whose right half a hand hides; the template is a little darker than the source.
-    fn layer(visible: bool) -> ObjectLayer {
+    fn layer(visible: bool, colour: [u8; 3]) -> ObjectLayer {
         let size = Size::new(40, 40);
         let template = TemplateTrack {
             picture: Rgba8::from_data(size, [180, 20, 20, 255].repeat(size.area())).unwrap(),
@@ -339,7 +366,7 @@ mod tests {
         let mut source = Rgb8::new(SIZE);
         for y in 0..SIZE.height {
             for x in 0..SIZE.width {
-                let own = if inside(x, y) { [200, 30, 30] } else { [0, 90, 0] };
+                let own = if inside(x, y) { colour } else { [0, 90, 0] };
                 source.set_pixel(x, y, if x >= 40 { [220, 170, 140] } else { own });
             }
         }
@@ -355,7 +382,7 @@ mod tests {
 
     #[test]
     fn the_hidden_half_takes_the_light_of_the_visible_half_and_no_skin_shows() {
-        let picture = layer(true).to_rgba(SIZE);
+        let picture = layer(true, RED).to_rgba(SIZE);
         for x in 22..58 {
             let [r, g, b, a] = picture.pixel(x, 30);
             assert!(
@@ -367,7 +394,10 @@ mod tests {
     }
 
     #[test]
-    fn an_untrusted_mask_leaves_the_template_alone() {
-        assert_eq!(layer(false).to_rgba(SIZE).pixel(30, 30), [180, 20, 20, 255]);
+    fn without_a_trusted_mask_the_template_is_drawn_whole_only_where_the_source_shows_it() {
+        assert_eq!(layer(false, RED).to_rgba(SIZE).pixel(30, 30), [180, 20, 20, 255]);
+        let elsewhere = layer(false, [0, 90, 0]).to_rgba(SIZE);
+        assert_eq!(elsewhere.pixel(25, 30)[3], 0);
+        assert_eq!(elsewhere.pixel(50, 30), [180, 20, 20, 255]);
     }
 }
