@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use opencv::{
     core::{
-        BORDER_CONSTANT, BORDER_REPLICATE, CV_32FC1, CV_32FC4, Mat, MatTraitConst, MatTraitConstManual,
-        MatTraitManual, Point, Rect, Scalar, Size as CvSize, Vec4f,
+        BORDER_CONSTANT, CV_32FC1, CV_32FC4, Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Rect,
+        Scalar, Size as CvSize, Vec4f,
     },
     imgproc,
 };
@@ -14,7 +14,7 @@ use crate::{
     geometry::Size,
     image::{Mask, Rgb8, Rgba8},
     template::{Placement, TemplateTrack},
-    vision::{BackgroundMotion, binary, fill_smoothly},
+    vision::{BackgroundMotion, binary, box_blurred, fill_smoothly},
 };
 
 /// Share of a template's open pixels that have to look like the source's.
@@ -229,12 +229,9 @@ fn shows(
 }
 
 fn softened(mask: &Mat, radius: i32) -> Result<Vec<f32>, CompositeError> {
-    let (mut values, mut soft) = (Mat::default(), Mat::default());
+    let mut values = Mat::default();
     mask.convert_to(&mut values, CV_32FC1, 1.0 / 255.0, 0.0)?;
-    let side = 2 * radius + 1;
-    let centre = Point::new(-1, -1);
-    imgproc::blur(&values, &mut soft, CvSize::new(side, side), centre, BORDER_REPLICATE)?;
-    Ok(soft.data_typed::<f32>()?.to_vec())
+    Ok(box_blurred(&values, 2 * radius + 1)?.data_typed::<f32>()?.to_vec())
 }
 
 /// `own (1 − hidden) source + hidden template`, the template's colours moved towards the source's.

@@ -6,14 +6,14 @@
 
 use opencv::{
     core::{
-        BORDER_REPLICATE, CV_8UC1, CV_32F, CV_32FC1, CV_32S, Mat, MatTraitConst, MatTraitConstManual,
-        MatTraitManual, Point, Rect, Scalar, Size as CvSize, Vec3b,
+        CV_8UC1, CV_32F, CV_32FC1, CV_32S, Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Rect,
+        Scalar, Vec3b,
     },
     imgproc,
 };
 
 use super::{InpaintParams, hole::grown};
-use crate::vision::WorkScale;
+use crate::vision::{WorkScale, box_blurred};
 
 /// What a frame shows at work scale.
 pub(super) struct Ground<'a> {
@@ -54,7 +54,7 @@ pub(super) fn cast_shadow(
 ) -> opencv::Result<Option<Shadow>> {
     let (columns, rows) = (ground.frame.cols() as usize, ground.frame.rows() as usize);
     let light = light(ground)?;
-    let smooth = blurred(&light, 5)?;
+    let smooth = box_blurred(&light, 5)?;
     let (light, smooth) = (light.data_typed::<f32>()?, smooth.data_typed::<f32>()?);
     let near = near_the_hole(ground, (params.shadow_reach * columns as f64) as f32)?;
     let dark: Vec<u8> = (0..light.len())
@@ -65,13 +65,13 @@ pub(super) fn cast_shadow(
         .collect();
     let dark = Mat::new_rows_cols_with_data(rows as i32, columns as i32, &dark)?.try_clone()?;
     let Some(kept) = touching(&dark, ground.hole, smooth)? else { return Ok(None) };
-    let wide = blurred(&float(&grown(&kept, 4)?)?, 3)?;
+    let wide = box_blurred(&float(&grown(&kept, 4)?)?, 3)?;
     let mut alpha = wide;
     for (i, alpha) in alpha.data_typed_mut::<f32>()?.iter_mut().enumerate() {
         let shade = ((SHADE.1 - smooth[i]) / (SHADE.1 - SHADE.0)).clamp(0.0, 1.0);
         *alpha = if near[i] { *alpha * shade } else { 0.0 };
     }
-    let alpha = blurred(&alpha, 3)?;
+    let alpha = box_blurred(&alpha, 3)?;
     let bounds = imgproc::bounding_rect(&grown(&kept, 6)?)?;
     let (sx, sy) = scale.factors();
     let place = |at: i32, s: f64| (f64::from(at) / s) as i32;
@@ -149,12 +149,6 @@ fn float(mask: &Mat) -> opencv::Result<Mat> {
     debug_assert_eq!(mask.typ(), CV_8UC1);
     let mut out = Mat::default();
     mask.convert_to(&mut out, CV_32FC1, 1.0 / 255.0, 0.0)?;
-    Ok(out)
-}
-
-fn blurred(picture: &Mat, side: i32) -> opencv::Result<Mat> {
-    let mut out = Mat::default();
-    imgproc::blur(picture, &mut out, CvSize::new(side, side), Point::new(-1, -1), BORDER_REPLICATE)?;
     Ok(out)
 }
 

@@ -3,9 +3,7 @@
 use std::ops::Range;
 
 use opencv::{
-    core::{
-        CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual, Rect, Scalar, Size as CvSize, Vec3b,
-    },
+    core::{CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual, Rect, Scalar, Vec3b},
     imgproc,
 };
 use rayon::prelude::*;
@@ -25,7 +23,7 @@ use crate::{
     image::Rgb8,
     progress::Watch,
     segment::{MaskTrack, RleMask},
-    vision::{Registration, Warp, enlarged_part, fill_smoothly, single_threaded},
+    vision::{Registration, Warp, box_blurred, enlarged_part, fill_smoothly, single_threaded},
 };
 
 /// A receiver's error.
@@ -329,18 +327,10 @@ fn mixed(
 
 /// 1 inside the hole, falling to 0 over twice `feather` pixels outside of it.
 fn seam(hole: &Mat, feather: i32) -> opencv::Result<Mat> {
-    let (mut soft, mut out) = (Mat::default(), Mat::default());
+    let mut soft = Mat::default();
     let wide = super::hole::grown(hole, feather)?;
     wide.convert_to(&mut soft, CV_32FC1, 1.0 / 255.0, 0.0)?;
-    let side = 2 * feather + 1;
-    imgproc::blur(
-        &soft,
-        &mut out,
-        CvSize::new(side, side),
-        opencv::core::Point::new(-1, -1),
-        opencv::core::BORDER_REPLICATE,
-    )?;
-    Ok(out)
+    box_blurred(&soft, 2 * feather + 1)
 }
 
 fn blended(picture: &Mat, region: Rect, background: &[[f32; 3]], alpha: &Mat) -> opencv::Result<Rgb8> {

@@ -5,14 +5,11 @@
 //! else belong to what moved, or to skin that no mask covered, and are no background.
 
 use opencv::{
-    core::{
-        BORDER_REPLICATE, CV_32F, Mat, MatTrait, MatTraitConst, MatTraitConstManual, Point, Scalar,
-        Size as CvSize, Vec3b,
-    },
+    core::{CV_32F, Mat, MatTrait, MatTraitConst, MatTraitConstManual, Scalar, Vec3b},
     imgproc,
 };
 
-use crate::vision::View;
+use crate::vision::{View, box_blurred};
 
 /// Levels of a channel that count as one colour, as a power of two.
 const SHIFT: usize = 5;
@@ -49,12 +46,7 @@ impl MovedColours {
         )?;
         let distance = distance.data_typed::<f32>()?;
         // Registration misses edges by a pixel: only what is still different after smoothing changed.
-        let smooth = |picture: &Mat| -> opencv::Result<Mat> {
-            let mut out = Mat::default();
-            imgproc::blur(picture, &mut out, CvSize::new(5, 5), Point::new(-1, -1), BORDER_REPLICATE)?;
-            Ok(out)
-        };
-        let (a, b) = (smooth(&target.colour)?, smooth(source)?);
+        let (a, b) = (box_blurred(&target.colour, 5)?, box_blurred(source, 5)?);
         let (a, b) = (a.data_typed::<Vec3b>()?, b.data_typed::<Vec3b>()?);
         let own = source.data_typed::<Vec3b>()?;
         let mut counts = vec![(0_u32, 0_u32); SIDE * SIDE * SIDE];
@@ -86,9 +78,8 @@ impl MovedColours {
         let colours = picture.data_typed::<Vec3b>()?.iter();
         let inside: Vec<u8> = colours.map(|colour| if self.contains(colour.0) { 255 } else { 0 }).collect();
         let inside = Mat::new_rows_cols_with_data(picture.rows(), picture.cols(), &inside)?;
-        let (mut share, mut mostly) = (Mat::default(), Mat::default());
-        let side = (picture.cols() / 40) | 1;
-        imgproc::blur(&inside, &mut share, CvSize::new(side, side), Point::new(-1, -1), BORDER_REPLICATE)?;
+        let share = box_blurred(&inside, (picture.cols() / 40) | 1)?;
+        let mut mostly = Mat::default();
         opencv::core::compare(&share, &Scalar::all(127.0), &mut mostly, opencv::core::CMP_GT)?;
         known.set_to(&Scalar::all(0.0), &mostly)?;
         Ok(())

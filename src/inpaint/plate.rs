@@ -3,8 +3,8 @@
 use nalgebra::Matrix3;
 use opencv::{
     core::{
-        BORDER_REPLICATE, CV_8UC1, CV_8UC3, CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual,
-        MatTraitManual, Point, Rect, Scalar, Size as CvSize, Vec3b,
+        CV_8UC1, CV_8UC3, CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual, MatTraitManual, Rect,
+        Scalar, Vec3b,
     },
     imgproc,
 };
@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     geometry::Size,
-    vision::{Registration, View, WorkScale, colour_offset, enlarged_part, scene_change},
+    vision::{Registration, View, WorkScale, box_blurred, colour_offset, enlarged_part, scene_change},
 };
 
 /// Nothing is known there.
@@ -344,13 +344,7 @@ impl Samples {
                 lit[*pixel as usize] = if holds(settled) { 1.0 } else { 0.0 };
             }
         }
-        let mean = |picture: &Mat| -> opencv::Result<Mat> {
-            let mut out = Mat::default();
-            let size = CvSize::new(9, 9);
-            imgproc::blur(picture, &mut out, size, Point::new(-1, -1), BORDER_REPLICATE)?;
-            Ok(out)
-        };
-        let (lit, known) = (mean(&lit)?, mean(&known)?);
+        let (lit, known) = (box_blurred(&lit, 9)?, box_blurred(&known, 9)?);
         let pairs = lit.data_typed::<f32>()?.iter().zip(known.data_typed::<f32>()?);
         Ok(pairs.map(|(lit, known)| if *known > 0.0 { lit / known } else { 0.0 }).collect())
     }

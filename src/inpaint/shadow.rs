@@ -7,14 +7,14 @@
 
 use opencv::{
     core::{
-        BORDER_REPLICATE, CV_8UC1, CV_32F, CV_32FC1, CV_32FC3, CV_32S, Mat, MatTraitConst,
-        MatTraitConstManual, MatTraitManual, Point, Scalar, Size as CvSize, Vec3b, Vec3f,
+        CV_8UC1, CV_32F, CV_32FC1, CV_32FC3, CV_32S, Mat, MatTraitConst, MatTraitConstManual, MatTraitManual,
+        Scalar, Vec3b, Vec3f,
     },
     imgproc,
 };
 
 use super::plate::{Plate, SEEN, UNKNOWN};
-use crate::vision::{EdgeWeights, Plane, View, tv_cut};
+use crate::vision::{EdgeWeights, Plane, View, box_blurred, tv_cut};
 
 /// Side, as a share of the width, of the neighbourhood in which ground is compared.
 const NEIGHBOURHOOD: f64 = 0.06;
@@ -113,12 +113,7 @@ fn mean_around(picture: &Mat, inside: &[bool], size: i32) -> opencv::Result<(Vec
             *colour = Vec3f::default();
         }
     }
-    let blurred = |picture: &Mat| -> opencv::Result<Mat> {
-        let mut out = Mat::default();
-        imgproc::blur(picture, &mut out, CvSize::new(size, size), Point::new(-1, -1), BORDER_REPLICATE)?;
-        Ok(out)
-    };
-    let (share, colour) = (blurred(&share)?, blurred(&colour)?);
+    let (share, colour) = (box_blurred(&share, size)?, box_blurred(&colour, size)?);
     let share = share.data_typed::<f32>()?.to_vec();
     let colour = colour.data_typed::<Vec3f>()?.iter().zip(&share);
     Ok((colour.map(|(colour, share)| colour.0.map(|value| value / share.max(1e-6))).collect(), share))

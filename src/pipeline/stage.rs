@@ -59,7 +59,8 @@ impl Stage {
         }
     }
 
-    /// Whether the two stages need nothing from each other and run at the same time.
+    /// Whether one stage may be at work before the other is done: the background is made beside template, hands
+    /// and motion.
     pub fn runs_beside(self, other: Self) -> bool {
         let beside = Self::Template..=Self::Retarget;
         beside.contains(&self) && beside.contains(&other)

@@ -10,7 +10,9 @@ use crate::{
     clip::FrameIndex,
     geometry::{Pixel, Side},
     landmarks::{HandLandmarks, keypoint},
-    vision::{BackgroundMotion, Flow, FlowQuality, WorkScale, background_motion, binary, dense_flow},
+    vision::{
+        BackgroundMotion, Flow, FlowQuality, WorkScale, background_motion, binary, box_blurred, dense_flow,
+    },
 };
 
 /// A frame at work scale.
@@ -124,10 +126,7 @@ fn explanation_gain(
     let errors = |predicted: &Mat| -> opencv::Result<Mat> {
         let mut error = Mat::default();
         opencv::core::absdiff(&now.grey, predicted, &mut error)?;
-        let mut smooth = Mat::default();
-        let (kernel, anchor) = (opencv::core::Size::new(5, 5), opencv::core::Point::new(-1, -1));
-        imgproc::blur(&error, &mut smooth, kernel, anchor, opencv::core::BORDER_REPLICATE)?;
-        Ok(smooth)
+        box_blurred(&error, 5)
     };
     let (flow_error, background_error) = (errors(&by_flow)?, errors(&by_background)?);
     let pairs = background_error.data_bytes()?.iter().zip(flow_error.data_bytes()?);

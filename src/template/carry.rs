@@ -6,7 +6,9 @@ use super::{TemplateError, path::Step, placement::Seen};
 use crate::{
     geometry::{PerSide, Pixel},
     landmarks::HandLandmarks,
-    segment::object::{Keyframe, LocalFlow, Roi, Similarity, apply, arm, fit_similarity, signed_distance},
+    segment::object::{
+        Keyframe, LocalFlow, Roi, Similarity, apply, arm, fit_similarity, signed_distance, similarity,
+    },
     vision::WorkScale,
 };
 
@@ -188,8 +190,5 @@ fn choose(
 /// an object, or a hand that turns, says nothing sure about size.
 fn rigid(transform: &Matrix3<f64>, place: (f64, f64)) -> Matrix3<f64> {
     let to = apply(transform, place.0, place.1);
-    let (sin, cos) = transform[(1, 0)].atan2(transform[(0, 0)]).sin_cos();
-    let x = to.0 - cos * place.0 + sin * place.1;
-    let y = to.1 - sin * place.0 - cos * place.1;
-    Matrix3::new(cos, -sin, x, sin, cos, y, 0.0, 0.0, 1.0)
+    similarity(1.0, transform[(1, 0)].atan2(transform[(0, 0)]), place, to)
 }

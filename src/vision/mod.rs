@@ -6,6 +6,7 @@
 
 mod align;
 pub mod binary;
+mod box_blur;
 mod camera_path;
 mod colour_model;
 mod flow;
@@ -21,6 +22,7 @@ mod smooth_fill;
 mod tv_cut;
 
 pub use align::{AlignChannel, AlignPoint, AlignPrior, Alignment, align};
+pub use box_blur::box_blurred;
 pub use camera_path::CameraPath;
 pub use colour_model::{ColourModel, log_odds};
 pub use flow::{Flow, FlowQuality, dense_flow};

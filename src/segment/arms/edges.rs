@@ -1,13 +1,10 @@
 //! Mask edges at full size: guided filtering (He et al. 2010) fitted on the work picture and applied to the full
 //! one (He and Sun 2015), which costs little at any clip size.
 
-use opencv::{
-    core::{CV_32F, Mat, MatTraitConst, MatTraitConstManual, MatTraitManual},
-    imgproc,
-};
+use opencv::core::{CV_32F, Mat, MatTraitConst, MatTraitConstManual, MatTraitManual};
 
 use super::Clip;
-use crate::vision::binary;
+use crate::vision::{binary, box_blurred};
 
 /// Half the window, work pixels.
 const RADIUS: i32 = 2;
@@ -24,11 +21,7 @@ pub(super) struct EdgeLine {
 }
 
 fn averaged(plane: &Mat) -> opencv::Result<Mat> {
-    let mut mean = Mat::default();
-    let side = opencv::core::Size::new(2 * RADIUS + 1, 2 * RADIUS + 1);
-    let (anchor, border) = (opencv::core::Point::new(-1, -1), opencv::core::BORDER_REPLICATE);
-    imgproc::blur(plane, &mut mean, side, anchor, border)?;
-    Ok(mean)
+    box_blurred(plane, 2 * RADIUS + 1)
 }
 
 fn product(a: &Mat, b: &Mat) -> opencv::Result<Mat> {

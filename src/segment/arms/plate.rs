@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{Clip, runs, scratch::Layer, work_frame::WorkFrame};
 use crate::{
     segment::SegmentError,
-    vision::{BackgroundMotion, background_motion_from, binary},
+    vision::{BackgroundMotion, background_motion_from, binary, box_blurred},
 };
 
 /// Samples that one plate is the median of.
@@ -278,10 +278,7 @@ fn same_texture(first: &[u8], second: &[u8], (rows, cols): (i32, i32)) -> opencv
     let plane = |value: &dyn Fn(usize) -> f32| -> opencv::Result<Mat> {
         let values: Vec<f32> = (0..first.len()).map(value).collect();
         let raw = Mat::new_rows_cols_with_data(rows, cols, &values)?;
-        let mut mean = Mat::default();
-        let (kernel, anchor) = (opencv::core::Size::new(5, 5), opencv::core::Point::new(-1, -1));
-        imgproc::blur(&raw, &mut mean, kernel, anchor, opencv::core::BORDER_REPLICATE)?;
-        Ok(mean)
+        box_blurred(&raw, 5)
     };
     let (a, b) = (|i: usize| f32::from(first[i]), |i: usize| f32::from(second[i]));
     let means = [

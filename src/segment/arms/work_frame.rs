@@ -8,7 +8,7 @@ use opencv::{
 use crate::{
     clip::{FrameIndex, FrameSource},
     segment::SegmentError,
-    vision::{LabHistogram, WorkScale, binary},
+    vision::{LabHistogram, WorkScale, binary, box_blurred},
 };
 
 /// A frame at work scale.
@@ -53,14 +53,6 @@ impl WorkFrame {
         for (value, lab) in raw.data_bytes_mut()?.iter_mut().zip(self.pixels()?) {
             *value = LabHistogram::look_up(table, *lab);
         }
-        let mut smooth = Mat::default();
-        imgproc::blur(
-            &raw,
-            &mut smooth,
-            opencv::core::Size::new(3, 3),
-            opencv::core::Point::new(-1, -1),
-            opencv::core::BORDER_REPLICATE,
-        )?;
-        Ok(smooth)
+        box_blurred(&raw, 3)
     }
 }

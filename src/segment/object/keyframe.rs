@@ -122,10 +122,16 @@ pub(crate) fn apply(transform: &Matrix3<f64>, x: f64, y: f64) -> (f64, f64) {
 
 /// The turn by `angle` about `pivot`.
 pub(crate) fn turned_about(pivot: (f64, f64), angle: f64) -> Matrix3<f64> {
+    similarity(1.0, angle, pivot, pivot)
+}
+
+/// The similarity that turns by `angle`, scales by `scale` and takes `from` to `to`.
+pub(crate) fn similarity(scale: f64, angle: f64, from: (f64, f64), to: (f64, f64)) -> Matrix3<f64> {
     let (sin, cos) = angle.sin_cos();
-    let x = pivot.0 - cos * pivot.0 + sin * pivot.1;
-    let y = pivot.1 - sin * pivot.0 - cos * pivot.1;
-    Matrix3::new(cos, -sin, x, sin, cos, y, 0.0, 0.0, 1.0)
+    let (c, s) = (scale * cos, scale * sin);
+    let x = to.0 - c * from.0 + s * from.1;
+    let y = to.1 - s * from.0 - c * from.1;
+    Matrix3::new(c, -s, x, s, c, y, 0.0, 0.0, 1.0)
 }
 
 /// Interior samples: denser where there is texture, about seven hundred.

@@ -29,7 +29,7 @@ use std::{
 
 use rayon::prelude::*;
 
-pub(crate) use keyframe::{Keyframe, apply, turned_about};
+pub(crate) use keyframe::{Keyframe, apply, similarity, turned_about};
 pub(crate) use motion::{LocalFlow, Similarity, fit_similarity};
 pub use params::{ObjectParams, ObjectPrompt, PromptKind};
 

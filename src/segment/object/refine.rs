@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 
 use super::{
     evidence::Evidence,
-    keyframe::{Keyframe, apply, turned_about},
+    keyframe::{Keyframe, apply, similarity, turned_about},
     step::{Prediction, State},
     view::{Roi, View},
 };
@@ -166,11 +166,7 @@ fn by_moments(key: &Keyframe, seen: &Plane, likely: &Matrix3<f64>, roi: &Roi) ->
     } else {
         expected
     };
-    let (sin, cos) = turn.sin_cos();
-    let (c, s) = (scale * cos, scale * sin);
     let from = (own.centre.0 + key.roi.x as f64, own.centre.1 + key.roi.y as f64);
     let to = (now.centre.0 + roi.x as f64, now.centre.1 + roi.y as f64);
-    let x = to.0 - c * from.0 + s * from.1;
-    let y = to.1 - s * from.0 - c * from.1;
-    Some(Matrix3::new(c, -s, x, s, c, y, 0.0, 0.0, 1.0))
+    Some(similarity(scale, turn, from, to))
 }
