@@ -125,6 +125,13 @@ pub(crate) fn turned_about(pivot: (f64, f64), angle: f64) -> Matrix3<f64> {
     similarity(1.0, angle, pivot, pivot)
 }
 
+/// A similarity whose scale stays within `most` (a logarithm) of 1, that moves `place` as before.
+pub(crate) fn with_growth_within(transform: &Matrix3<f64>, place: (f64, f64), most: f64) -> Matrix3<f64> {
+    let to = apply(transform, place.0, place.1);
+    let scale = transform[(0, 0)].hypot(transform[(1, 0)]).max(1e-6).ln().clamp(-most, most).exp();
+    similarity(scale, transform[(1, 0)].atan2(transform[(0, 0)]), place, to)
+}
+
 /// The similarity that turns by `angle`, scales by `scale` and takes `from` to `to`.
 pub(crate) fn similarity(scale: f64, angle: f64, from: (f64, f64), to: (f64, f64)) -> Matrix3<f64> {
     let (sin, cos) = angle.sin_cos();
@@ -168,4 +175,19 @@ fn outline_points(soft: &Plane, distance: &Plane, roi: &Roi) -> Vec<AlignPoint> 
         }
     }
     points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn growth_is_limited_about_a_place_that_moves_as_before() {
+        let flow = similarity(0.9, 0.2, (30.0, 40.0), (33.0, 38.0));
+        let limited = with_growth_within(&flow, (30.0, 40.0), 0.01);
+        let to = apply(&limited, 30.0, 40.0);
+        assert!((to.0 - 33.0).hypot(to.1 - 38.0) < 1e-9);
+        assert!((limited[(0, 0)].hypot(limited[(1, 0)]).ln() + 0.01).abs() < 1e-9);
+        assert!((limited[(1, 0)].atan2(limited[(0, 0)]) - 0.2).abs() < 1e-9);
+    }
 }

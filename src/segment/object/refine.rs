@@ -15,6 +15,8 @@ use crate::{
 
 /// By how much another start has to explain the view better than the likeliest.
 const MARGIN: f64 = 0.03;
+/// Share of the expected shape that has to be seen for its moments to be the object's.
+const MOST: f64 = 0.7;
 /// Turns tried where most of the object may be hidden, rad.
 const TURNS: [f64; 4] = [-0.24, -0.12, 0.12, 0.24];
 
@@ -145,8 +147,10 @@ fn middle_of(seen: &Plane, placed: &Plane) -> Option<(f64, f64)> {
 /// The similarity that takes the keyframe's shape to what is seen by centre, spread and main axis;
 /// right where the whole object is seen. `None` where too little is seen.
 fn by_moments(key: &Keyframe, seen: &Plane, likely: &Matrix3<f64>, roi: &Roi) -> Option<Matrix3<f64>> {
+    // What is hidden would count as shrunk.
+    let linear = likely[(0, 0)] * likely[(1, 1)] - likely[(0, 1)] * likely[(1, 0)];
     let (now, own) = (seen.moments()?, key.shape.moments()?);
-    if now.weight < 0.3 * own.weight {
+    if now.weight < MOST * linear.abs() * own.weight {
         return None;
     }
     let scale = (now.spread() / own.spread().max(1e-6)).sqrt();

@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 
 use super::{
     evidence::{Colours, Evidence, learn_surroundings},
-    keyframe::{Keyframe, apply},
+    keyframe::{Keyframe, apply, with_growth_within},
     motion::{LocalFlow, fit_similarity},
     redetect::redetect,
     refine::refine,
@@ -18,6 +18,11 @@ use crate::{
     segment::SegmentError,
     vision::{ColourModel, EdgeWeights, Plane, tv_cut},
 };
+
+/// Visible share from which the object counts as whole.
+const WHOLE: f64 = 0.98;
+/// Most that a partly hidden object grows or shrinks between two frames, as a logarithm.
+const MOST_GROWTH: f64 = 0.015;
 
 /// Where the object is on one frame, and what has been learned so far.
 #[derive(Clone)]
@@ -224,12 +229,18 @@ fn predict(state: &State, view: &View) -> Result<Prediction, SegmentError> {
     let others = others.collect();
     let step = match (object, carrier) {
         (_, Some(carrier)) if resting => carrier.transform,
-        (Some(object), _) if enough => object.transform,
+        (Some(object), _) if enough => own_step(&object.transform, centre, state.visible),
         (_, Some(carrier)) => carrier.transform,
         (Some(object), None) => object.transform,
         (None, None) => Matrix3::identity(),
     };
     Ok(Prediction { likely: step * state.transform, others, held, resting })
+}
+
+/// The object's own flow as a step. Flow over a part of the object beside a hand that moves over it sees
+/// growth where there is none: a held thing comes nearer by no more than a little a frame.
+fn own_step(flow: &Matrix3<f64>, centre: (f64, f64), visible: f64) -> Matrix3<f64> {
+    if visible < WHOLE { with_growth_within(flow, centre, MOST_GROWTH) } else { *flow }
 }
 
 /// Cuts the visible part out of the view: colours, arms, the carried shape, edges.
