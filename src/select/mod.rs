@@ -1,9 +1,19 @@
 //! Which object: contact motion, operator, later a VLM behind the same trait.
 
-mod contact;
+mod arm_colours;
+mod change;
+mod fuse;
+mod held;
+mod motion;
 mod operator;
+mod outline;
 mod params;
+mod places;
 mod propose;
+mod scene;
+#[cfg(test)]
+mod tests;
+mod timeline;
 
 use serde::{Deserialize, Serialize};
 
