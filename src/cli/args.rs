@@ -172,7 +172,7 @@ pub(super) struct BenchArguments {
     /// How many episodes
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub(super) episodes: u32,
-    /// Print JSON: {"figures": {KEY: number, …}}
+    /// Print JSON: {"figures": {KEY: number, …}, "episodes": [{"seed": S, KEY: number, …}, …]}
     #[arg(long)]
     pub(super) json: bool,
     /// Leave out the comparison of memory between a 10 s and a 60 s clip

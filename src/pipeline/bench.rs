@@ -66,10 +66,13 @@ pub fn run_bench(
         let episode = episode(&spec, &options.out.join(format!("episodes/seed{seed:04}")), watch)?;
         let job = episode_job(&episode, &format!("seed{seed:04}")).map_err(|error| failed(&error))?;
         let run = run_worker(&job, options, cancel)?;
-        figures.add("pipeline_fps", episode.frame_count() as f64 / run.seconds);
-        figures.add_some("peak_memory_mib", run.peak_memory_mib);
+        let mut scores = Figures::default();
+        scores.add("pipeline_fps", episode.frame_count() as f64 / run.seconds);
+        scores.add_some("peak_memory_mib", run.peak_memory_mib);
         let found = understand_clip(&job, &options.out, installation, listener, cancel)?;
-        score_episode(&episode, &found, &options.out.join(&job.id), seed, &mut figures)?;
+        score_episode(&episode, &found, &options.out.join(&job.id), seed, &mut scores)?;
+        listener.note(&scores.to_line());
+        figures.add_episode(seed, scores);
     }
     if options.memory_growth {
         let growth = memory_growth(options, cancel, listener, watch)?;

@@ -91,6 +91,8 @@ pub const FIGURES: [FigureSpec; 14] = [
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figures {
     values: BTreeMap<&'static str, Vec<f64>>,
+    /// Each episode's seed and its own figures, in the order they came.
+    episodes: Vec<(u64, Figures)>,
 }
 
 impl Figures {
@@ -118,16 +120,33 @@ impl Figures {
         })
     }
 
-    /// Single values of `key` in the order they came.
-    pub fn each(&self, key: &str) -> &[f64] {
-        self.values.get(key).map_or(&[], Vec::as_slice)
+    /// Takes over the figures of the episode of `seed`, which stay readable one by one.
+    pub fn add_episode(&mut self, seed: u64, episode: Self) {
+        for (key, values) in &episode.values {
+            self.values.entry(key).or_default().extend(values);
+        }
+        self.episodes.push((seed, episode));
     }
 
-    /// `{"figures": {KEY: number, …}}` with what was measured.
+    /// `{"figures": {KEY: number, …}, "episodes": [{"seed": S, KEY: number, …}, …]}` with what was measured.
     pub fn to_json(&self) -> serde_json::Value {
-        let measured =
-            FIGURES.iter().filter_map(|spec| Some((spec.key.to_owned(), self.value(spec)?.into())));
-        serde_json::json!({ "figures": measured.collect::<serde_json::Map<_, _>>() })
+        let episode = |(seed, figures): &(u64, Self)| {
+            let mut measured = figures.measured();
+            measured.insert("seed".to_owned(), (*seed).into());
+            measured
+        };
+        let episodes: Vec<_> = self.episodes.iter().map(episode).collect();
+        serde_json::json!({ "figures": self.measured(), "episodes": episodes })
+    }
+
+    fn measured(&self) -> serde_json::Map<String, serde_json::Value> {
+        FIGURES.iter().filter_map(|spec| Some((spec.key.to_owned(), self.value(spec)?.into()))).collect()
+    }
+
+    /// One line with every figure that was measured, for progress.
+    pub fn to_line(&self) -> String {
+        let measured = FIGURES.iter().filter_map(|spec| Some(format!("{} {:.3}", spec.key, self.value(spec)?)));
+        measured.collect::<Vec<_>>().join(", ")
     }
 
     /// The table in Markdown.
@@ -169,6 +188,21 @@ mod tests {
         assert!((value("limit_violations").unwrap() - 18.0).abs() < 1e-9);
         assert_eq!(value("unheard_of"), None);
         assert_eq!(value("ik_time_ms"), None);
+    }
+
+    #[test]
+    fn episodes_count_in_the_sum_and_stay_readable_one_by_one() {
+        let mut figures = Figures::default();
+        for (seed, value) in [(7, 0.5), (8, 1.0)] {
+            let mut episode = Figures::default();
+            episode.add("arm_mask_j", value);
+            figures.add_episode(seed, episode);
+        }
+        let json = figures.to_json();
+        assert_eq!(json["figures"]["arm_mask_j"].as_f64(), Some(0.75));
+        assert_eq!(json["episodes"][1]["seed"].as_u64(), Some(8));
+        assert_eq!(json["episodes"][1]["arm_mask_j"].as_f64(), Some(1.0));
+        assert_eq!(figures.to_line(), "arm_mask_j 0.750");
     }
 
     #[test]
