@@ -3,6 +3,8 @@
 /// Bins along L, a and b.
 const BINS: [usize; 3] = [16, 32, 32];
 const CELLS: usize = BINS[0] * BINS[1] * BINS[2];
+/// What every cell counts beforehand.
+const UNSEEN: f64 = 0.02;
 
 /// A histogram of 8-bit Lab pixels (OpenCV's `COLOR_RGB2Lab` scaling) with 16×32×32 bins.
 #[derive(Clone, Debug)]
@@ -66,7 +68,21 @@ impl LabHistogram {
     }
 
     fn cell_density(&self, cell: usize) -> f64 {
-        (f64::from(self.counts[cell]) + 0.02) / (self.total + 0.02 * CELLS as f64)
+        (f64::from(self.counts[cell]) + UNSEEN) / (self.total + UNSEEN * CELLS as f64)
+    }
+
+    /// [`Self::posterior_table`] for counts of very different sizes: of two histograms the smaller thinks more of
+    /// colours that neither has seen; here such colours are even (127 or 128).
+    pub fn fair_posterior_table(&self, other: &Self) -> Vec<u8> {
+        let floor = |histogram: &Self| UNSEEN / (histogram.total + UNSEEN * CELLS as f64);
+        let floor = floor(self).max(floor(other));
+        (0..CELLS)
+            .map(|cell| {
+                let (mine, theirs) =
+                    (self.cell_density(cell).max(floor), other.cell_density(cell).max(floor));
+                (255.0 * mine / (mine + theirs)).round() as u8
+            })
+            .collect()
     }
 
     /// A table of P(self | colour) against `other` with even priors, 0 to 255, for [`Self::look_up`].
@@ -120,6 +136,23 @@ mod tests {
         assert!(LabHistogram::look_up(&posterior, [150, 145, 150]) > 240);
         assert!(LabHistogram::look_up(&posterior, [150, 153, 150]) > 200, "neighbouring cell is likely too");
         assert!(LabHistogram::look_up(&posterior, [60, 128, 128]) < 15);
+    }
+
+    #[test]
+    fn a_small_histogram_claims_no_colours_that_it_has_not_seen() {
+        let (mut object, mut skin) = (LabHistogram::default(), LabHistogram::default());
+        for _ in 0..100 {
+            object.add([60, 128, 128]);
+        }
+        for _ in 0..100_000 {
+            skin.add([150, 145, 150]);
+        }
+        let claimed = LabHistogram::look_up(&object.posterior_table(&skin), [200, 90, 90]);
+        let table = object.fair_posterior_table(&skin);
+        assert!(claimed > 240, "{claimed}");
+        assert!((127..=128).contains(&LabHistogram::look_up(&table, [200, 90, 90])));
+        assert!(LabHistogram::look_up(&table, [60, 128, 128]) > 240);
+        assert!(LabHistogram::look_up(&table, [150, 145, 150]) < 15);
     }
 
     #[test]

@@ -145,7 +145,8 @@ impl Figures {
 
     /// One line with every figure that was measured, for progress.
     pub fn to_line(&self) -> String {
-        let measured = FIGURES.iter().filter_map(|spec| Some(format!("{} {:.3}", spec.key, self.value(spec)?)));
+        let measured =
+            FIGURES.iter().filter_map(|spec| Some(format!("{} {:.3}", spec.key, self.value(spec)?)));
         measured.collect::<Vec<_>>().join(", ")
     }
 

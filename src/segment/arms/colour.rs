@@ -2,7 +2,10 @@
 
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual};
 
-use super::{plate::UNKNOWN, work_frame::WorkFrame};
+use super::{
+    plate::{NEUTRAL, UNKNOWN},
+    work_frame::WorkFrame,
+};
 use crate::vision::{LabHistogram, binary};
 
 /// Shadows that arms cast on the background: share of the light that is left, and how often.
@@ -80,12 +83,12 @@ impl ColourModel {
     pub fn tables(&self, object: Option<&LabHistogram>) -> Tables {
         let arm = self.arm.smoothed(1);
         let mut colour = arm.posterior_table(&self.background.smoothed(1));
-        let object = object.map(|object| object.smoothed(1).posterior_table(&arm));
+        let object = object.map(|object| object.smoothed(1).fair_posterior_table(&arm));
         if let Some(object) = &object {
             for (arm, object) in colour.iter_mut().zip(object) {
-                // Odds against the background and odds against the object add up.
+                // Odds against the background and odds against the object add up; even odds say nothing.
                 let against = |posterior: u8| f32::from(255 - posterior) / f32::from(posterior).max(0.5);
-                let object_odds = f32::from(*object) / f32::from(255 - object).max(0.5);
+                let object_odds = (f32::from(*object) / f32::from(255 - object).max(0.5) - 1.0).max(0.0);
                 *arm = (255.0 / (1.0 + against(*arm) + object_odds)).round() as u8;
             }
         }
@@ -107,7 +110,10 @@ impl ColourModel {
         };
         let (arm, background) = (smooth(&self.changes[0]), smooth(&self.changes[1]));
         let odds = arm.iter().zip(&background).map(|(a, b)| (a / b).ln().clamp(CHANGE_ODDS.0, CHANGE_ODDS.1));
-        odds.chain(std::iter::once(0.0)).collect()
+        // Doubtful samples are drawn where arms are often: that is no evidence.
+        let mut odds: Vec<f32> = odds.chain(std::iter::once(0.0)).collect();
+        odds[usize::from(NEUTRAL)] = 0.0;
+        odds
     }
 }
 

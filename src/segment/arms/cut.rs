@@ -5,7 +5,7 @@ use opencv::{
     imgproc,
 };
 
-use super::{params::ArmParams, shape::HandShape, sleeve, work_frame::WorkFrame};
+use super::{params::ArmParams, plate::UNKNOWN, shape::HandShape, sleeve, work_frame::WorkFrame};
 use crate::vision::{binary, grab_cut};
 
 /// P(arm | colour) as skeletons taught it, below which a colour in a grip belongs to what is held.
@@ -140,19 +140,25 @@ fn candidates(
     binary::map2(&kept, &sleeves, |a, b| a | b)
 }
 
-/// Where a sleeve must continue the skin, less what is background.
+/// Whether a place has surely changed against the background behind it.
+pub(super) fn has_changed(change: u8) -> bool {
+    change > 40 && change != UNKNOWN
+}
+
+/// Where a sleeve must continue the skin, less what is background: what has not changed, and what background
+/// colours explain without a change.
 fn sleeve_pixels(evidence: &Evidence<'_>, skin: &Mat, share: f64, params: &ArmParams) -> opencv::Result<Mat> {
-    let strip = sleeve::drawn(evidence.hands, skin, share)?;
-    let strip = match evidence.change {
-        Some(change) => {
-            let still = params.still_threshold.clamp(0.0, 255.0) as u8;
-            binary::map2(&strip, change, |strip, change| if change < still { 0 } else { strip })?
+    let mut strip = sleeve::drawn(evidence.hands, skin, share)?;
+    let changes = evidence.change.map(MatTraitConstManual::data_bytes).transpose()?;
+    let colours = evidence.colour.data_bytes()?.iter().zip(evidence.skin.data_bytes()?);
+    for (position, (pixel, (colour, skin))) in strip.data_bytes_mut()?.iter_mut().zip(colours).enumerate() {
+        let change = changes.map_or(UNKNOWN, |changes| changes[position]);
+        let is_strange = *colour > 20 && *skin > SURELY_BACKGROUND;
+        if f64::from(change) < params.still_threshold || !(is_strange || has_changed(change)) {
+            *pixel = 0;
         }
-        None => strip,
-    };
-    // Only what the background's colours do not explain.
-    let strip = binary::map2(&strip, evidence.colour, |strip, p| if p > 20 { strip } else { 0 })?;
-    binary::map2(&strip, evidence.skin, |strip, p| if p > SURELY_BACKGROUND { strip } else { 0 })
+    }
+    Ok(strip)
 }
 
 /// The middle of the sleeves beside `mask`, to learn their colours from.

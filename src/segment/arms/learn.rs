@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{
     Clip, HandledObject,
     colour::{ColourModel, Tables},
-    cut::{SURELY_BACKGROUND, cut_frame, grip, sleeve_to_learn},
+    cut::{SURELY_BACKGROUND, cut_frame, grip, has_changed, sleeve_to_learn},
     plate::UNKNOWN,
     scratch::Layer,
     work_frame::WorkFrame,
@@ -22,7 +22,7 @@ const ENOUGH_WHOLE_FRAMES: usize = 6;
 /// Object pixels that are enough to know its colours.
 const ENOUGH_OBJECT_PIXELS: f64 = 25.0;
 /// P(object | colour) from which a pixel under a skeleton is the object's.
-const OBJECT: u8 = 150;
+pub(super) const OBJECT: u8 = 150;
 
 /// What is known of the clip's colours.
 #[derive(Clone, Debug)]
@@ -186,8 +186,15 @@ fn next_model(clip: &Clip<'_>, chosen: &[usize], learned: &Learned) -> Result<Co
             leave_out_known(&mut mask, &grip(&clip.hands[*index], &skin)?, [&skin, &known], change.as_ref())?;
         }
         // What is surely background is no sleeve either.
-        sleeves =
-            binary::map2(&sleeves, &skin, |sleeve, skin| if skin > SURELY_BACKGROUND { sleeve } else { 0 })?;
+        let changes = change.as_ref().map(MatTraitConstManual::data_bytes).transpose()?;
+        for (position, (sleeve, skin)) in
+            sleeves.data_bytes_mut()?.iter_mut().zip(skin.data_bytes()?).enumerate()
+        {
+            let change = changes.map_or(UNKNOWN, |changes| changes[position]);
+            if *skin <= SURELY_BACKGROUND && !has_changed(change) {
+                *sleeve = 0;
+            }
+        }
         mask = binary::map2(&mask, &sleeves, |a, b| a | b)?;
         learn_from_mask(clip, (*index, whole), &mut model, &frame, &mask, change.as_ref())?;
         Ok(model)
@@ -213,16 +220,16 @@ fn leave_out_known(
     let (grip, skin, known) = (grip.data_bytes()?, skin.data_bytes()?, known.data_bytes()?);
     for (position, mask) in mask.data_bytes_mut()?.iter_mut().enumerate() {
         let change = changes.map_or(UNKNOWN, |changes| changes[position]);
-        let has_changed = change > 40 && change != UNKNOWN;
-        if (grip[position] != 0 && skin[position] < 90) || (known[position] < 45 && !has_changed) {
+        if (grip[position] != 0 && skin[position] < 90) || (known[position] < 45 && !has_changed(change)) {
             *mask = 0;
         }
     }
     Ok(())
 }
 
-/// Inside the eroded mask is arm. Outside the grown mask is background, unless it has changed, or lies where a
-/// forearm must be and is not known to be unchanged: a sleeve not yet found must not teach the background.
+/// Inside the eroded mask is arm. Outside the grown mask is background, unless it has changed, hides a background
+/// that no frame shows, or lies where a forearm must be and is not known to be unchanged: a sleeve not yet found
+/// must not teach the background.
 fn learn_from_mask(
     clip: &Clip<'_>,
     (index, whole): (usize, bool),
@@ -248,8 +255,11 @@ fn learn_from_mask(
     let changes = change.map(MatTraitConstManual::data_bytes).transpose()?;
     for (position, outside) in outside.data_bytes_mut()?.iter_mut().enumerate() {
         let change = changes.map_or(UNKNOWN, |changes| changes[position]);
-        let has_changed = change > 40 && change != UNKNOWN;
-        if has_changed || (*outside == 128 && f64::from(change) >= clip.params.still_threshold) {
+        let was_never_seen = changes.is_some() && change == UNKNOWN;
+        if has_changed(change)
+            || was_never_seen
+            || (*outside == 128 && f64::from(change) >= clip.params.still_threshold)
+        {
             *outside = 0;
         }
     }
@@ -267,6 +277,7 @@ pub(super) fn learned(clip: &mut Clip<'_>, chosen: &[usize]) -> Result<Option<Le
         return Ok(None);
     }
     let tables = first.tables(object.as_ref());
+    clip.object_table.clone_from(&tables.object);
     let mut learned = Learned { skin: first.tables(None).colour, tables };
     for round in 0..clip.params.training_rounds {
         let mut model = next_model(clip, chosen, &learned)?;

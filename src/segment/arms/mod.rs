@@ -8,11 +8,13 @@ mod finish;
 mod learn;
 mod params;
 mod plate;
+mod recurrence;
 mod scratch;
 mod shape;
 mod sleeve;
 mod stray;
 mod sweep;
+mod texture;
 mod work_frame;
 
 use std::{collections::BTreeMap, path::Path};
@@ -171,6 +173,8 @@ struct Clip<'a> {
     leaves_picture: bool,
     plate: Option<Plate>,
     object: Option<HandledObject>,
+    /// P(object | Lab cell) against skeletons, 0 to 255, once its colours are learned.
+    object_table: Option<Vec<u8>>,
     scratch: Scratch,
 }
 
@@ -219,6 +223,7 @@ impl<'a> Clip<'a> {
             leaves_picture: !reach.outside_view,
             plate: None,
             object,
+            object_table: None,
             scratch: Scratch::create(scratch, scale.work)?,
         })
     }
@@ -400,8 +405,9 @@ impl<'a> Clip<'a> {
         all.par_iter().map(put).collect()
     }
 
-    /// A cheap guess at what is not background: [`plate::HIDDEN`] in hand hulls and on likely colours
-    /// in reach of a hand, [`plate::DOUBTFUL`] wherever else an arm could be, 0 elsewhere.
+    /// A cheap guess at what is not background: [`plate::HIDDEN`] in hand hulls and on unseen arms,
+    /// [`recurrence::SUSPECT`] on likely colours in reach of a hand, [`plate::DOUBTFUL`] wherever else an arm
+    /// could be, 0 elsewhere.
     fn hidden(&self, index: usize, frame: &WorkFrame, table: &[u8]) -> opencv::Result<Mat> {
         let mut near = binary::empty(frame.grey.rows(), frame.grey.cols())?;
         let mut hulls = near.try_clone()?;
@@ -419,9 +425,9 @@ impl<'a> Clip<'a> {
             binary::map2(&near, &expected, |near, expected| if expected != 0 { 255 } else { near / 2 })?;
         // In `near`: 255 where a forearm is to be expected, less elsewhere in reach.
         let grade = |near: u8, posterior: u8| match near {
-            255 if posterior > 127 => plate::HIDDEN,
+            255 if posterior > 127 => recurrence::SUSPECT,
             0 => 0,
-            _ if posterior > HIDING => plate::HIDDEN,
+            _ if posterior > HIDING => recurrence::SUSPECT,
             _ => plate::DOUBTFUL,
         };
         let likely = frame.posterior(table)?;

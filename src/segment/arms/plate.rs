@@ -7,10 +7,19 @@ use opencv::{
 };
 use rayon::prelude::*;
 
-use super::{Clip, runs, scratch::Layer, work_frame::WorkFrame};
+use super::{
+    Clip,
+    learn::OBJECT,
+    recurrence::{SUSPECT, Sample, recurring},
+    runs,
+    scratch::Layer,
+    texture::{Likeness, Texture},
+    work_frame::WorkFrame,
+};
 use crate::{
+    geometry::{PerSide, Pixel},
     segment::SegmentError,
-    vision::{BackgroundMotion, background_motion_from, binary, box_blurred},
+    vision::{BackgroundMotion, LabHistogram, background_motion_from, binary},
 };
 
 /// Samples that one plate is the median of.
@@ -43,8 +52,10 @@ pub(super) struct Plate {
 struct Keyframe {
     index: usize,
     lab: Mat,
-    /// [`HIDDEN`], [`DOUBTFUL`] or 0.
+    /// [`HIDDEN`], [`SUSPECT`], [`DOUBTFUL`] or 0.
     hidden: Mat,
+    /// Where its hands are; `None` when one may have been missed.
+    wrists: Option<PerSide<Option<Pixel>>>,
 }
 
 /// The background as one frame sees it.
@@ -127,8 +138,9 @@ impl Plate {
         let (rows, cols) = (clip.scale.work.height as i32, clip.scale.work.width as i32);
         let labs = samples
             .iter()
-            .map(|(lab, hidden)| Ok((lab.data_bytes()?.as_chunks::<3>().0, hidden.data_bytes()?)))
+            .map(|s| Ok((s.lab.data_bytes()?.as_chunks::<3>().0, s.hidden.data_bytes()?)))
             .collect::<opencv::Result<Vec<_>>>()?;
+        let recurring = recurring(&samples, clip.palm_width)?;
         let mut lab = Mat::new_rows_cols_with_default(rows, cols, CV_8UC3, Scalar::all(0.0))?;
         let mut doubt = binary::empty(rows, cols)?;
         let pixels = lab.data_bytes_mut()?.as_chunks_mut::<3>().0;
@@ -136,13 +148,18 @@ impl Plate {
             let mut seen = [[0_u8; SAMPLES]; 3];
             let (mut count, mut certain) = (0, 0);
             for (lab, hidden) in &labs {
-                if hidden[position] != HIDDEN {
+                if hidden[position] < SUSPECT {
                     for channel in 0..3 {
                         seen[channel][count] = lab[position][channel];
                     }
                     count += 1;
                     certain += usize::from(hidden[position] == 0);
                 }
+            }
+            let witnessed = recurring.get(position).and_then(|sample| labs.get(*sample));
+            if let Some((lab, _)) = witnessed.filter(|_| certain < 2) {
+                *pixel = lab[position];
+                continue;
             }
             if count < 2 {
                 *doubt = HIDDEN;
@@ -155,26 +172,74 @@ impl Plate {
                 values[count / 2]
             });
         }
-        Ok(Drawn { index, lab, doubt })
+        let mut drawn = Drawn { index, lab, doubt };
+        self.leave_out_object(&mut drawn, clip)?;
+        Ok(drawn)
+    }
+
+    /// Where the object that is handled stands in the plate, nothing is known of the background: that it is
+    /// taken away is no arm's doing.
+    fn leave_out_object(&self, drawn: &mut Drawn, clip: &Clip<'_>) -> opencv::Result<()> {
+        let (Some(object), Some(table)) = (&clip.object, &clip.object_table) else { return Ok(()) };
+        let (run, to_first) = self.placed[drawn.index];
+        let Some((_, from_first)) =
+            self.placed.get(object.frame.as_usize()).filter(|(object_run, _)| *object_run == run)
+        else {
+            return Ok(());
+        };
+        let Some(from_first) = from_first.try_inverse() else { return Ok(()) };
+        let motion = BackgroundMotion { homography: from_first * to_first, inlier_share: 1.0, inliers: 0 };
+        let cols = drawn.lab.cols() as usize;
+        let pixels = drawn.lab.data_bytes()?.as_chunks::<3>().0;
+        for (position, doubt) in drawn.doubt.data_bytes_mut()?.iter_mut().enumerate() {
+            let here = Pixel::new((position % cols) as f64, (position / cols) as f64);
+            if LabHistogram::look_up(table, pixels[position]) > OBJECT
+                && object.bounds.contains(clip.scale.to_full(motion.apply(here)))
+            {
+                *doubt = HIDDEN;
+            }
+        }
+        Ok(())
     }
 
     /// Key frames of the same run drawn on the grid of frame `index`, with what is not to be used.
-    fn samples(&self, index: usize) -> opencv::Result<Vec<(Mat, Mat)>> {
+    fn samples(&self, index: usize) -> opencv::Result<Vec<Sample>> {
         let (run, to_first) = self.placed[index];
         let near: Vec<&Keyframe> = self
             .keyframes
             .iter()
             .filter(|key| self.placed[key.index].0 == run && key.index != index)
             .collect();
-        let stride = near.len().div_ceil(SAMPLES).max(1);
+        // Where a hand was missed, less is certain, but it may have been elsewhere.
+        let (known, missed): (Vec<&Keyframe>, Vec<&Keyframe>) =
+            near.into_iter().partition(|key| key.wrists.is_some());
+        let mut chosen = spread(&known, SAMPLES - missed.len().min(SAMPLES / 3));
+        chosen.extend(spread(&missed, SAMPLES - chosen.len()));
+        chosen.sort_unstable_by_key(|key| key.index);
         let mut samples = Vec::new();
-        for key in near.iter().skip(stride / 2).step_by(stride).take(SAMPLES) {
+        for key in chosen {
             let Some(inverse) = self.placed[key.index].1.try_inverse() else { continue };
             let motion = BackgroundMotion { homography: inverse * to_first, inlier_share: 1.0, inliers: 0 };
-            samples.push(warped(&key.lab, &key.hidden, &motion)?);
+            let (lab, hidden) = warped(&key.lab, &key.hidden, &motion)?;
+            let back = motion.homography.try_inverse().unwrap_or_else(Matrix3::identity);
+            let back = BackgroundMotion { homography: back, inlier_share: 1.0, inliers: 0 };
+            let wrists = key
+                .wrists
+                .as_ref()
+                .map(|wrists| PerSide::from_fn(|side| wrists[side].map(|wrist| back.apply(wrist))));
+            samples.push(Sample { index: key.index, lab, hidden, wrists });
         }
         Ok(samples)
     }
+}
+
+/// At most `most` of `from`, evenly spread.
+fn spread<'k>(from: &[&'k Keyframe], most: usize) -> Vec<&'k Keyframe> {
+    if most == 0 {
+        return Vec::new();
+    }
+    let stride = from.len().div_ceil(most).max(1);
+    from.iter().copied().skip(stride / 2).step_by(stride).take(most).collect()
 }
 
 /// Lab distance of `frame` from the background behind it, CV_8UC1, at most 254; [`UNKNOWN`] where fewer than two
@@ -214,30 +279,6 @@ fn change(frame: &WorkFrame, plate: &Drawn) -> opencv::Result<Mat> {
     Ok(change)
 }
 
-/// How the textures of two pictures compare, judged on every other pixel.
-struct Likeness {
-    cols: usize,
-    textures: Vec<Texture>,
-}
-
-impl Likeness {
-    fn of(first: &Mat, second: &Mat) -> opencv::Result<Self> {
-        let (rows, cols) = ((first.rows() + 1) / 2, (first.cols() + 1) / 2);
-        let light = |lab: &Mat| -> opencv::Result<Vec<u8>> {
-            let mut half = Mat::default();
-            let size = opencv::core::Size::new(cols, rows);
-            imgproc::resize(lab, &mut half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
-            Ok(half.data_bytes()?.as_chunks::<3>().0.iter().map(|lab| lab[0]).collect())
-        };
-        let textures = same_texture(&light(first)?, &light(second)?, (rows, cols))?;
-        Ok(Self { cols: cols as usize, textures })
-    }
-
-    fn at(&self, x: usize, y: usize) -> Texture {
-        self.textures[(y / 2) * self.cols + x / 2]
-    }
-}
-
 /// Whether a pixel may be the background in shadow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shade {
@@ -262,47 +303,6 @@ fn is_shaded(pixel: [u8; 3], background: [u8; 3]) -> Shade {
         error if error < 7.0 => Shade::Perhaps,
         _ => Shade::No,
     }
-}
-
-/// How two pictures compare within 5×5 pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Texture {
-    /// Neither has any.
-    Flat,
-    /// They vary together (correlation above a half).
-    Same,
-    Other,
-}
-
-fn same_texture(first: &[u8], second: &[u8], (rows, cols): (i32, i32)) -> opencv::Result<Vec<Texture>> {
-    let plane = |value: &dyn Fn(usize) -> f32| -> opencv::Result<Mat> {
-        let values: Vec<f32> = (0..first.len()).map(value).collect();
-        let raw = Mat::new_rows_cols_with_data(rows, cols, &values)?;
-        box_blurred(&raw, 5)
-    };
-    let (a, b) = (|i: usize| f32::from(first[i]), |i: usize| f32::from(second[i]));
-    let means = [
-        plane(&a)?,
-        plane(&b)?,
-        plane(&|i| a(i) * a(i))?,
-        plane(&|i| b(i) * b(i))?,
-        plane(&|i| a(i) * b(i))?,
-    ];
-    let [ma, mb, maa, mbb, mab] = [0, 1, 2, 3, 4].map(|i: usize| means[i].data_typed::<f32>());
-    let (ma, mb, maa, mbb, mab) = (ma?, mb?, maa?, mbb?, mab?);
-    let together = |i: usize| {
-        let (va, vb) = (maa[i] - ma[i] * ma[i], mbb[i] - mb[i] * mb[i]);
-        let covariance = mab[i] - ma[i] * mb[i];
-        // Variances below two grey levels are noise.
-        if va < 4.0 && vb < 4.0 {
-            Texture::Flat
-        } else if va >= 4.0 && vb >= 4.0 && covariance > 0.5 * (va * vb).sqrt() {
-            Texture::Same
-        } else {
-            Texture::Other
-        }
-    };
-    Ok((0..first.len()).map(together).collect())
 }
 
 /// Where arms are or may be on a frame, with a margin.
@@ -332,14 +332,18 @@ fn align_run(
         let hidden = hidden(clip, index, &frame, table)?;
         let step = match &before {
             Some(before) => {
-                let arms = binary::map2(&hidden, &hidden, |grade, _| u8::from(grade == HIDDEN))?;
+                let arms = binary::map2(&hidden, &hidden, |grade, _| u8::from(grade >= SUSPECT))?;
                 background_motion_from(&frame.grey, &before.grey, Some(&arms), FEATURES)?
             }
             None => None,
         };
         aligned.steps.push(step);
         if index % stride == 0 {
-            aligned.keyframes.push(Keyframe { index, lab: frame.lab.try_clone()?, hidden });
+            let all_seen = clip.hands[index].len() == clip.most_hands;
+            let wrists = all_seen.then(|| {
+                PerSide::from_fn(|side| clip.sides[index][side].as_ref().map(super::shape::HandShape::wrist))
+            });
+            aligned.keyframes.push(Keyframe { index, lab: frame.lab.try_clone()?, hidden, wrists });
         }
         before = Some(frame);
     }
@@ -370,18 +374,5 @@ mod tests {
         assert_eq!(is_shaded([120, 131, 140], [180, 133, 146]), Shade::Surely);
         assert_eq!(is_shaded([150, 148, 148], [200, 130, 135]), Shade::No);
         assert_eq!(is_shaded([190, 133, 146], [180, 133, 146]), Shade::No);
-    }
-
-    #[test]
-    fn texture_that_shows_through_is_told_from_texture_that_does_not() {
-        let stripes = |period: usize, scale: u8| -> Vec<u8> {
-            (0..32 * 32)
-                .map(|i| if ((i % 32) / period).is_multiple_of(2) { 100 / scale } else { 200 / scale })
-                .collect()
-        };
-        let at_centre = |a: &[u8], b: &[u8]| same_texture(a, b, (32, 32)).unwrap()[16 * 32 + 16];
-        assert_eq!(at_centre(&stripes(2, 1), &stripes(2, 2)), Texture::Same);
-        assert_eq!(at_centre(&stripes(2, 1), &vec![90; 32 * 32]), Texture::Other);
-        assert_eq!(at_centre(&vec![120; 32 * 32], &vec![90; 32 * 32]), Texture::Flat);
     }
 }
