@@ -53,51 +53,76 @@ impl EdgeWeights {
 /// Solves for `u` from the start value `u` (in [0, 1]); `cost` is negative where inside is likely.
 pub fn tv_cut(u: &mut Plane, cost: &[f32], edges: &EdgeWeights, iterations: usize) {
     let (width, height) = (u.width, u.height);
-    let step = 0.35_f32;
     let mut lead = u.data.clone();
     let mut dual_x = vec![0.0_f32; width * height];
     let mut dual_y = vec![0.0_f32; width * height];
+    let still = vec![0.0_f32; width];
     for _ in 0..iterations {
-        ascend(&lead, &mut dual_x, &mut dual_y, edges, (width, height), step);
+        ascend(&lead, [&mut dual_x, &mut dual_y], edges, (width, height));
         for y in 0..height {
-            for x in 0..width {
-                let at = y * width + x;
-                let mut divergence = dual_x[at] + dual_y[at];
-                if x > 0 {
-                    divergence -= dual_x[at - 1];
-                }
-                if y > 0 {
-                    divergence -= dual_y[at - width];
-                }
-                let old = u.data[at];
-                let new = (old + step * (divergence - cost[at])).clamp(0.0, 1.0);
-                u.data[at] = new;
-                lead[at] = 2.0 * new - old;
-            }
+            let row = y * width..(y + 1) * width;
+            let above = if y == 0 { &still[..] } else { &dual_y[(y - 1) * width..y * width] };
+            let duals = [&dual_x[row.clone()], &dual_y[row.clone()], above];
+            descend(&mut u.data[row.clone()], &mut lead[row.clone()], duals, &cost[row]);
         }
+    }
+}
+
+/// Length of the primal and of the dual step.
+const STEP: f32 = 0.35;
+
+/// `f32::clamp` without its check, which would keep the loops from running on several pixels at once.
+fn limited(value: f32, least: f32, most: f32) -> f32 {
+    if value < least {
+        least
+    } else if value > most {
+        most
+    } else {
+        value
+    }
+}
+
+/// One primal step along a row, from the duals to the right and down of it and those from above.
+fn descend(u: &mut [f32], lead: &mut [f32], [right, down, above]: [&[f32]; 3], cost: &[f32]) {
+    let step = |u: &mut f32, lead: &mut f32, divergence: f32, cost: f32| {
+        let old = *u;
+        let new = limited(old + STEP * (divergence - cost), 0.0, 1.0);
+        *u = new;
+        *lead = 2.0 * new - old;
+    };
+    let width = u.len();
+    if width == 0 {
+        return;
+    }
+    step(&mut u[0], &mut lead[0], right[0] + down[0] - above[0], cost[0]);
+    let left = &right[..width - 1];
+    let rest = u[1..].iter_mut().zip(&mut lead[1..]).zip(left).zip(&right[1..]);
+    let rest = rest.zip(&down[1..]).zip(&above[1..]).zip(&cost[1..]);
+    for ((((((u, lead), left), right), down), above), cost) in rest {
+        step(u, lead, right + down - left - above, *cost);
     }
 }
 
 /// One dual step, projected onto `|p| <= g` edge by edge.
 fn ascend(
     lead: &[f32],
-    dual_x: &mut [f32],
-    dual_y: &mut [f32],
+    [dual_x, dual_y]: [&mut [f32]; 2],
     edges: &EdgeWeights,
     (width, height): (usize, usize),
-    step: f32,
 ) {
     for y in 0..height {
-        let row = y * width;
-        for x in 0..width - 1 {
-            let at = row + x;
-            let limit = edges.right[at];
-            dual_x[at] = (dual_x[at] + step * (lead[at + 1] - lead[at])).clamp(-limit, limit);
+        let row = y * width..(y + 1) * width;
+        let here = &lead[row.clone()];
+        let next = here.iter().skip(1);
+        let along = dual_x[row.clone()].iter_mut().zip(&edges.right[row.clone()]).zip(here).zip(next);
+        for (((dual, limit), here), next) in along {
+            *dual = limited(*dual + STEP * (next - here), -limit, *limit);
         }
         if y + 1 < height {
-            for at in row..row + width {
-                let limit = edges.down[at];
-                dual_y[at] = (dual_y[at] + step * (lead[at + width] - lead[at])).clamp(-limit, limit);
+            let below = &lead[(y + 1) * width..(y + 2) * width];
+            let down = dual_y[row.clone()].iter_mut().zip(&edges.down[row]).zip(here).zip(below);
+            for (((dual, limit), here), below) in down {
+                *dual = limited(*dual + STEP * (below - here), -limit, *limit);
             }
         }
     }
