@@ -166,8 +166,8 @@ pub(super) enum Verb {
 /// `bench`.
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
-    /// Seed of the first episode; 1 to 99 were used for tuning, report on 1000 and above
-    #[arg(long, default_value_t = 1000)]
+    /// Seed of the first episode; those below 3000 may have been used for tuning
+    #[arg(long, default_value_t = crate::synth::HELD_OUT_SEED)]
     pub(super) seed: u64,
     /// How many episodes
     #[arg(long, value_name = "N", default_value_t = 10)]
