@@ -12,6 +12,10 @@ pub(super) type SideDetections = Vec<Option<Detection>>;
 /// A tracklet with fewer detections than this needs to be sure of itself.
 const SHORT: usize = 4;
 const SURE: f64 = 0.85;
+/// Detections below which a hand is seen for a moment only …
+const PASSING: usize = 10;
+/// … if nothing else of its side is seen for so many frames before and after.
+const ALONE: usize = 30;
 /// Share of a tracklet that may collide with another one of the same side.
 const TOLERATED_OVERLAP: f64 = 0.25;
 /// Evidence a detection, beyond which a much smaller hand is not moved to the other side.
@@ -64,7 +68,29 @@ pub(super) fn assign(tracklets: Vec<Tracklet>, frames: usize, size: Size) -> Per
             }
         }
     }
-    filled(placed, frames)
+    filled(without_passing(placed, frames), frames)
+}
+
+/// Without what is seen for a moment, and nothing else of its side for long before and after: of a third of a second
+/// nobody learns anything, and most such hands are none (a sleeve, the other hand seen as a second one).
+fn without_passing(placed: Vec<Placed>, frames: usize) -> Vec<Placed> {
+    let span = |placed: &Placed| {
+        let entries = &placed.tracklet.entries;
+        (entries[0].0, entries[entries.len() - 1].0)
+    };
+    let is_passing = |at: usize| {
+        let (start, end) = span(&placed[at]);
+        let has_company = placed.iter().enumerate().any(|(other, near)| {
+            let (first, last) = span(near);
+            other != at && near.side == placed[at].side && first <= end + ALONE && start <= last + ALONE
+        });
+        placed[at].tracklet.entries.len() < PASSING && !has_company
+    };
+    if frames < 2 * ALONE {
+        return placed;
+    }
+    let passing: Vec<bool> = (0..placed.len()).map(is_passing).collect();
+    placed.into_iter().zip(passing).filter(|(_, passing)| !passing).map(|(placed, _)| placed).collect()
 }
 
 /// Tracklets that go on with one another made one: a hand that was out of sight for a moment stays the same hand,
@@ -209,6 +235,18 @@ mod tests {
         let sides = assign(tracklets, 30, Size::new(640, 480));
         let xs = sides.iter().flat_map(|(_, s)| s.iter().flatten().map(|d| d.keypoints[0].x));
         assert!(xs.into_iter().all(|x| x != 300.0));
+    }
+
+    #[test]
+    fn a_second_hand_seen_for_a_moment_is_none_and_one_that_flickers_stays() {
+        let steady = || tracklet(0..120, 450.0, Side::Right, 0.95);
+        let passing = tracklet(57..63, 100.0, Side::Left, 0.95);
+        let sides = assign(vec![steady(), passing.clone()], 120, Size::new(640, 480));
+        assert_eq!(sides.left.iter().flatten().count(), 0);
+        assert_eq!(sides.right.iter().flatten().count(), 120);
+        let again = tracklet(80..86, 150.0, Side::Left, 0.95);
+        let sides = assign(vec![steady(), passing, again], 120, Size::new(640, 480));
+        assert_eq!(sides.left.iter().flatten().count(), 12);
     }
 
     #[test]
