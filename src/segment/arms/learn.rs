@@ -9,6 +9,7 @@ use super::{
     cut::{SURELY_BACKGROUND, cut_frame, grip, has_changed, sleeve_to_learn},
     plate::UNKNOWN,
     scratch::Layer,
+    shape::FROM_BELOW,
     work_frame::WorkFrame,
 };
 use crate::{
@@ -138,6 +139,9 @@ fn first_model(clip: &Clip<'_>, chosen: &[usize]) -> Result<ColourModel, Segment
             hand.draw_core(&mut core, 0.12)?;
             hand.draw_hull(&mut near, 0.8)?;
             hand.draw_cone(&mut near, 80.0, *reach)?;
+            if clip.leaves_picture {
+                hand.draw_below(&mut near, FROM_BELOW, *reach)?;
+            }
         }
         let core = binary::eroded(&core, 1)?;
         let far = binary::map2(&near, &near, |near, _| if near == 0 { 255 } else { 0 })?;

@@ -31,7 +31,7 @@ use self::{
     learn::Learned,
     plate::{PLATE_RUN, Plate},
     scratch::{Layer, Scratch, Towards},
-    shape::HandShape,
+    shape::{FROM_BELOW, HandShape},
     sweep::Swept,
     work_frame::WorkFrame,
 };
@@ -418,6 +418,9 @@ impl<'a> Clip<'a> {
         let mut expected = hulls.try_clone()?;
         for (hand, reach) in &self.hands[index] {
             hand.draw_cone(&mut near, 80.0, *reach)?;
+            if self.leaves_picture {
+                hand.draw_below(&mut near, FROM_BELOW, *reach)?;
+            }
             hand.draw_cone(&mut expected, 40.0, *reach)?;
             hand.draw_hull(&mut hulls, 0.2)?;
         }

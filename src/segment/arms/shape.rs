@@ -23,6 +23,9 @@ pub(super) struct HandShape {
     pub towards_arm: Pixel,
 }
 
+/// How far from straight below a forearm comes up to a hand bent at the wrist, degrees.
+pub(super) const FROM_BELOW: f64 = 60.0;
+
 const WHITE: Scalar = Scalar::new(255.0, 0.0, 0.0, 0.0);
 
 impl HandShape {
@@ -88,16 +91,32 @@ impl HandShape {
     /// Draws where the forearm may be: within `half_angle` (below 90) degrees of its direction as seen from
     /// the wrist, at most `reach` pixels away.
     pub fn draw_cone(&self, mask: &mut Mat, half_angle: f64, reach: f64) -> opencv::Result<()> {
+        self.draw_cone_towards(self.towards_arm, mask, half_angle, reach)
+    }
+
+    /// Draws where a first-person forearm may be when the hand is bent at the wrist, whatever way the palm points:
+    /// it comes from below.
+    pub fn draw_below(&self, mask: &mut Mat, half_angle: f64, reach: f64) -> opencv::Result<()> {
+        self.draw_cone_towards(Pixel::new(0.0, 1.0), mask, half_angle, reach)
+    }
+
+    fn draw_cone_towards(
+        &self,
+        towards: Pixel,
+        mask: &mut Mat,
+        half_angle: f64,
+        reach: f64,
+    ) -> opencv::Result<()> {
         let cols = mask.cols() as usize;
         let wrist = self.wrist();
         // The apex lies within the palm, so that the cone's mouth is as wide as the wrist.
         let apex = Pixel::new(
-            wrist.x - 0.3 * self.palm_width * self.towards_arm.x,
-            wrist.y - 0.3 * self.palm_width * self.towards_arm.y,
+            wrist.x - 0.3 * self.palm_width * towards.x,
+            wrist.y - 0.3 * self.palm_width * towards.y,
         );
         let cosine = half_angle.to_radians().cos();
         let (farthest, widest) = ((reach * reach) as f32, (cosine * cosine) as f32);
-        let (toward_x, toward_y) = (self.towards_arm.x as f32, self.towards_arm.y as f32);
+        let (toward_x, toward_y) = (towards.x as f32, towards.y as f32);
         for (y, row) in mask.data_bytes_mut()?.chunks_exact_mut(cols).enumerate() {
             let dy = y as f32 - apex.y as f32;
             for (x, value) in row.iter_mut().enumerate() {
