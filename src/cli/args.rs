@@ -166,7 +166,7 @@ pub(super) enum Verb {
 /// `bench`.
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
-    /// Seed of the first episode; those below 3000 may have been used for tuning
+    /// Seed of the first episode; those below 3100 may have been used for tuning
     #[arg(long, default_value_t = crate::synth::HELD_OUT_SEED)]
     pub(super) seed: u64,
     /// How many episodes
