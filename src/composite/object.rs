@@ -171,7 +171,7 @@ fn warped_template(
     }
     let inverse = placement.transform.try_inverse().ok_or(CompositeError::Placement)?;
     let offset = Matrix3::new(1.0, 0.0, f64::from(region.x), 0.0, 1.0, f64::from(region.y), 0.0, 0.0, 1.0);
-    let map = BackgroundMotion { homography: inverse * offset, inlier_share: 1.0, inliers: 0 };
+    let map = BackgroundMotion::known(inverse * offset);
     let flags = imgproc::INTER_LINEAR | imgproc::WARP_INVERSE_MAP;
     let target = CvSize::new(region.width, region.height);
     let mut warped = Mat::default();

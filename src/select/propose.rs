@@ -97,7 +97,7 @@ pub fn propose(
     Ok(ranked(&candidates, &boxes, params))
 }
 
-/// The whole clip and its halves.
+/// The whole clip, its halves and, where there are samples enough, its quarters.
 fn stretches(samples: usize) -> Vec<Vec<usize>> {
     let all: Vec<usize> = (0..samples).collect();
     let middle = samples / 2;

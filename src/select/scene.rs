@@ -155,7 +155,7 @@ fn step(from: &Sample, to: &Sample) -> opencv::Result<Option<Matrix3<f64>>> {
 
 /// Where `p` lies under `map`.
 pub(super) fn mapped(map: &Matrix3<f64>, p: Pixel) -> Pixel {
-    BackgroundMotion { homography: *map, inlier_share: 1.0, inliers: 0 }.apply(p)
+    BackgroundMotion::known(*map).apply(p)
 }
 
 /// RGB to Lab, both CV_8UC3.

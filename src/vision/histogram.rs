@@ -71,25 +71,28 @@ impl LabHistogram {
         (f64::from(self.counts[cell]) + UNSEEN) / (self.total + UNSEEN * CELLS as f64)
     }
 
-    /// [`Self::posterior_table`] for counts of very different sizes: of two histograms the smaller thinks more of
-    /// colours that neither has seen; here such colours are even (127 or 128).
-    pub fn fair_posterior_table(&self, other: &Self) -> Vec<u8> {
-        let floor = |histogram: &Self| UNSEEN / (histogram.total + UNSEEN * CELLS as f64);
-        let floor = floor(self).max(floor(other));
-        (0..CELLS)
-            .map(|cell| {
-                let (mine, theirs) =
-                    (self.cell_density(cell).max(floor), other.cell_density(cell).max(floor));
-                (255.0 * mine / (mine + theirs)).round() as u8
-            })
-            .collect()
+    /// The density of a colour never seen.
+    fn floor(&self) -> f64 {
+        UNSEEN / (self.total + UNSEEN * CELLS as f64)
     }
 
     /// A table of P(self | colour) against `other` with even priors, 0 to 255, for [`Self::look_up`].
     pub fn posterior_table(&self, other: &Self) -> Vec<u8> {
+        self.posterior_table_above(other, 0.0)
+    }
+
+    /// [`Self::posterior_table`] for counts of very different sizes: of two histograms the smaller thinks more of
+    /// colours that neither has seen; here such colours are even (127 or 128).
+    pub fn fair_posterior_table(&self, other: &Self) -> Vec<u8> {
+        self.posterior_table_above(other, self.floor().max(other.floor()))
+    }
+
+    /// The table with densities of at least `least`.
+    fn posterior_table_above(&self, other: &Self, least: f64) -> Vec<u8> {
         (0..CELLS)
             .map(|cell| {
-                let (mine, theirs) = (self.cell_density(cell), other.cell_density(cell));
+                let (mine, theirs) =
+                    (self.cell_density(cell).max(least), other.cell_density(cell).max(least));
                 (255.0 * mine / (mine + theirs)).round() as u8
             })
             .collect()

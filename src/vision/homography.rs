@@ -26,7 +26,12 @@ pub struct BackgroundMotion {
 impl BackgroundMotion {
     /// Nothing moved.
     pub fn still() -> Self {
-        Self { homography: Matrix3::identity(), inlier_share: 1.0, inliers: 0 }
+        Self::known(Matrix3::identity())
+    }
+
+    /// A motion that is known, not measured from features.
+    pub fn known(homography: Matrix3<f64>) -> Self {
+        Self { homography, inlier_share: 1.0, inliers: 0 }
     }
 
     /// Where `p` of the first frame lies in the second.

@@ -224,7 +224,7 @@ pub fn to_full_size(work: &Matrix3<f64>, target: WorkScale, source: WorkScale) -
 
 /// Draws a work picture of the source on the target's work grid.
 fn warp_work(source: &Mat, map: &Matrix3<f64>, target: &View, interpolation: i32) -> opencv::Result<Mat> {
-    let motion = BackgroundMotion { homography: *map, inlier_share: 1.0, inliers: 0 };
+    let motion = BackgroundMotion::known(*map);
     let mut out = Mat::default();
     let size = CvSize::new(target.gray.cols(), target.gray.rows());
     let flags = interpolation | imgproc::WARP_INVERSE_MAP;
@@ -347,7 +347,7 @@ impl Warp {
         }
         let offset =
             Matrix3::new(1.0, 0.0, f64::from(region.x), 0.0, 1.0, f64::from(region.y), 0.0, 0.0, 1.0);
-        let motion = BackgroundMotion { homography: self.homography * offset, inlier_share: 1.0, inliers: 0 };
+        let motion = BackgroundMotion::known(self.homography * offset);
         let flags = interpolation | imgproc::WARP_INVERSE_MAP;
         let size = CvSize::new(region.width, region.height);
         imgproc::warp_perspective(source, &mut out, &motion.to_mat()?, size, flags, border, value)?;

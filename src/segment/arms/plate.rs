@@ -127,7 +127,7 @@ impl Plate {
     fn moved(&self, drawn: &Drawn, index: usize) -> opencv::Result<Drawn> {
         let to = self.placed[drawn.index].1.try_inverse().unwrap_or_else(Matrix3::identity);
         let homography = to * self.placed[index].1;
-        let motion = BackgroundMotion { homography, inlier_share: 1.0, inliers: 0 };
+        let motion = BackgroundMotion::known(homography);
         let (lab, doubt) = warped(&drawn.lab, &drawn.doubt, &motion)?;
         Ok(Drawn { index, lab, doubt })
     }
@@ -188,7 +188,7 @@ impl Plate {
             return Ok(());
         };
         let Some(from_first) = from_first.try_inverse() else { return Ok(()) };
-        let motion = BackgroundMotion { homography: from_first * to_first, inlier_share: 1.0, inliers: 0 };
+        let motion = BackgroundMotion::known(from_first * to_first);
         let cols = drawn.lab.cols() as usize;
         let pixels = drawn.lab.data_bytes()?.as_chunks::<3>().0;
         for (position, doubt) in drawn.doubt.data_bytes_mut()?.iter_mut().enumerate() {
@@ -219,10 +219,10 @@ impl Plate {
         let mut samples = Vec::new();
         for key in chosen {
             let Some(inverse) = self.placed[key.index].1.try_inverse() else { continue };
-            let motion = BackgroundMotion { homography: inverse * to_first, inlier_share: 1.0, inliers: 0 };
+            let motion = BackgroundMotion::known(inverse * to_first);
             let (lab, hidden) = warped(&key.lab, &key.hidden, &motion)?;
             let back = motion.homography.try_inverse().unwrap_or_else(Matrix3::identity);
-            let back = BackgroundMotion { homography: back, inlier_share: 1.0, inliers: 0 };
+            let back = BackgroundMotion::known(back);
             let wrists = key
                 .wrists
                 .as_ref()
