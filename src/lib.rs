@@ -6,9 +6,12 @@
 //! also build for `wasm32-unknown-unknown`. See `ARCHITECTURE.md`.
 
 pub mod clip;
+pub mod composite;
+pub mod engine;
 pub mod geometry;
 pub mod hands;
 pub mod image;
+pub mod inpaint;
 pub mod landmarks;
 pub mod progress;
 pub mod retarget;
@@ -20,13 +23,9 @@ pub mod template;
 #[cfg(feature = "engine")]
 pub mod cli;
 #[cfg(feature = "engine")]
-pub mod composite;
-#[cfg(feature = "engine")]
 pub mod evaluate;
 #[cfg(feature = "engine")]
 pub mod export;
-#[cfg(feature = "engine")]
-pub mod inpaint;
 #[cfg(feature = "engine")]
 pub mod mujoco;
 #[cfg(feature = "engine")]

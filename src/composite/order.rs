@@ -6,6 +6,7 @@ use opencv::{
 };
 use serde::{Deserialize, Serialize};
 
+pub use super::decision::LayerDecision;
 use crate::{
     clip::FrameIndex,
     geometry::{PerSide, Pixel, Side},
@@ -45,15 +46,6 @@ impl Default for OrderParams {
     fn default() -> Self {
         Self { window: 4, to_front: 0.6, to_back: 0.4, least_pixels: 60.0, fade: 3 }
     }
-}
-
-/// What lies before the object on one frame, 0 to 1; between while a change fades.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LayerDecision {
-    /// The whole hand and arm.
-    pub in_front: PerSide<f32>,
-    /// The near parts alone (the thumb), where the rest is behind.
-    pub near: PerSide<f32>,
 }
 
 /// Looks at one frame: `arm` is that side's visible mask, `visible` the object's visible mask,

@@ -6,22 +6,38 @@
 //! in time, so that nothing flickers. What no frame saw is synthesised once on a plate and handed on
 //! from plate to plate. Beside the hole the shadow of hand and arm is taken out with them.
 
+#[cfg(feature = "engine")]
 mod cast;
+#[cfg(feature = "engine")]
 mod clean;
+#[cfg(feature = "engine")]
 mod error;
+#[cfg(feature = "engine")]
 mod fill;
+#[cfg(feature = "engine")]
 mod gather;
+#[cfg(feature = "engine")]
 mod hole;
+#[cfg(feature = "engine")]
 mod moved;
+#[cfg(feature = "engine")]
 mod params;
+#[cfg(feature = "engine")]
 mod plate;
 mod report;
+#[cfg(feature = "engine")]
 mod scene;
+#[cfg(feature = "engine")]
 mod shadow;
+#[cfg(feature = "engine")]
 mod survey;
 
+#[cfg(feature = "engine")]
 pub use clean::clean;
+#[cfg(feature = "engine")]
 pub use error::InpaintError;
+#[cfg(feature = "engine")]
 pub use hole::inpaint_mask;
+#[cfg(feature = "engine")]
 pub use params::InpaintParams;
 pub use report::{FrameCoverage, InpaintReport};

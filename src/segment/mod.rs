@@ -12,4 +12,4 @@ mod track;
 #[cfg(feature = "engine")]
 pub use error::SegmentError;
 pub use rle::{RleError, RleMask};
-pub use track::{MaskAuthor, MaskFlag, MaskFrame, MaskTrack};
+pub use track::{ArmTrack, MaskAuthor, MaskFlag, MaskFrame, MaskTrack};

@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::RleMask;
-use crate::{clip::FrameIndex, geometry::Size};
+use crate::{
+    clip::FrameIndex,
+    geometry::{PerSide, Size},
+};
 
 /// Who made a mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -74,4 +77,13 @@ impl MaskTrack {
     pub fn frame(&self, index: FrameIndex) -> &MaskFrame {
         &self.frames[index.as_usize()]
     }
+}
+
+/// Everything of the human that must vanish, on every frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArmTrack {
+    /// Both arms: hand, forearm, sleeve.
+    pub union: MaskTrack,
+    /// The union split by side, one a frame; pixels that no known hand claims are in neither.
+    pub sides: PerSide<Vec<RleMask>>,
 }

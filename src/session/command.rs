@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     HandEdit, LayerOrderRange, MaskEdit, MaskId, MaskLayer, ObjectChoice, ObjectProposal, RetargetSettings,
-    ReviewState, SidesSwapped,
+    ReviewState, SidesSwapped, Step,
 };
 use crate::{
     clip::{CameraSpec, FrameIndex},
@@ -76,6 +76,13 @@ pub enum Command {
     SetRetarget(RetargetSettings),
     /// All layer orders.
     SetLayerOrders(Vec<LayerOrderRange>),
+    /// Whether a person confirmed a step.
+    SetConfirmed {
+        /// Which.
+        step: Step,
+        /// Yes or no.
+        confirmed: bool,
+    },
     /// Review.
     SetReview(ReviewState),
     /// Several at once: one step for undo.

@@ -1,11 +1,11 @@
 //! What a session knows about its clip: everything a person or a manifest decided.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use super::{Author, MaskId, RetargetSettings};
+use super::{Author, MaskId, RetargetSettings, Step};
 use crate::{
     clip::{CameraSpec, FrameIndex, Rotation},
     geometry::{PerSide, Pixel, PixelBox},
@@ -197,6 +197,9 @@ pub struct Document {
     pub retarget: RetargetSettings,
     /// Layer orders; later ones win.
     pub layer_orders: Vec<LayerOrderRange>,
+    /// Steps a person confirmed.
+    #[serde(default)]
+    pub confirmed: BTreeSet<Step>,
     /// Review.
     pub review: ReviewState,
 }

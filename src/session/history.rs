@@ -12,6 +12,8 @@ pub enum Entry {
     Create(Box<Document>),
     /// A command.
     Do(Command),
+    /// A command of the machine's own: no step of undo, so that a person takes back only what a person did.
+    Found(Command),
     /// Takes back the last command that was not taken back.
     Undo,
     /// Does again what was taken back last.
@@ -58,6 +60,9 @@ impl History {
                 let inverse = self.document.apply(command)?;
                 self.undo.push(inverse);
                 self.redo.clear();
+            }
+            Entry::Found(command) => {
+                self.document.apply(command)?;
             }
             Entry::Undo => {
                 let Some(inverse) = self.undo.pop() else { return Ok(false) };

@@ -24,6 +24,20 @@ impl TryFrom<String> for MaskId {
     }
 }
 
+impl MaskId {
+    /// The id `mask` has in every store.
+    ///
+    /// # Errors
+    /// When it cannot be written as JSON.
+    pub fn of(mask: &RleMask) -> Result<Self, SessionError> {
+        Ok(Self::of_bytes(&serde_json::to_vec(mask).map_err(SessionError::Encode)?))
+    }
+
+    fn of_bytes(bytes: &[u8]) -> Self {
+        Self(blake3::hash(bytes).to_hex().to_string())
+    }
+}
+
 impl From<MaskId> for String {
     fn from(id: MaskId) -> Self {
         id.0
@@ -54,9 +68,9 @@ impl MaskStore {
     /// When it cannot be written.
     pub fn put(&self, mask: &RleMask) -> Result<MaskId, SessionError> {
         let bytes = serde_json::to_vec(mask).map_err(SessionError::Encode)?;
-        let id = MaskId(blake3::hash(&bytes).to_hex().to_string());
+        let id = MaskId::of_bytes(&bytes);
         let path = self.path(&id);
-        let io = |action| move |source| SessionError::Io { action, path: self.path(&id), source };
+        let io = |action| { let path = path.clone(); move |source| SessionError::Io { action, path, source } };
         if !path.exists() {
             std::fs::create_dir_all(&self.folder).map_err(|source| SessionError::Io {
                 action: "create",
@@ -65,7 +79,7 @@ impl MaskStore {
             })?;
             write_durably(&path, &bytes).map_err(io("write"))?;
         }
-        Ok(MaskId(blake3::hash(&bytes).to_hex().to_string()))
+        Ok(id)
     }
 
     /// Reads a mask and checks it against its name.

@@ -15,6 +15,7 @@ mod journal;
 mod lock;
 mod mask_store;
 mod settings;
+mod step;
 
 pub use apply::ApplyError;
 pub use command::{Author, Command};
@@ -30,6 +31,7 @@ pub use journal::{JournalLine, parse_journal};
 pub use lock::{LockHolder, SessionLock};
 pub use mask_store::{MaskId, MaskStore};
 pub use settings::RetargetSettings;
+pub use step::Step;
 
 /// The version of the folder's format that this build writes and the newest it reads.
 pub const FORMAT_VERSION: u32 = 1;

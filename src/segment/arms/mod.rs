@@ -24,7 +24,6 @@ use opencv::{
     imgproc,
 };
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use self::{
     cut::Evidence,
@@ -44,16 +43,8 @@ use crate::{
     vision::{self, FlowQuality, WorkScale, binary, dense_flow},
 };
 
+pub use super::ArmTrack;
 pub use params::ArmParams;
-
-/// Everything of the human that must vanish, on every frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ArmTrack {
-    /// Both arms: hand, forearm, sleeve.
-    pub union: MaskTrack,
-    /// The union split by side, one a frame; pixels that no known hand claims are in neither.
-    pub sides: PerSide<Vec<RleMask>>,
-}
 
 /// The object that is handled, where it is known beforehand: its colours are not the arm's.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,6 @@
+//! The operator's desktop application: panels over a session's history and an engine handle.
+
+pub mod action;
+pub mod state;
+pub mod theme;
+pub mod ui_command;
