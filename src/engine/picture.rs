@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
 
 use super::Revision;
 use crate::{
     clip::FrameIndex,
-    geometry::Size,
+    geometry::{Pinhole, Size},
     image::{Rgb8, Rgba8},
 };
 
@@ -35,6 +35,27 @@ impl Default for OrbitCamera {
             elevation: 0.35,
             field_of_view: 0.7,
         }
+    }
+}
+
+impl OrbitCamera {
+    /// Takes camera coordinates (x right, y down, z forward) to the torso's: who draws the robot and who draws over
+    /// that picture both look from here.
+    pub fn pose(&self) -> Isometry3<f64> {
+        let (sin, cos) = self.azimuth.sin_cos();
+        let (up, level) = self.elevation.sin_cos();
+        let forward = Vector3::new(cos * level, sin * level, -up);
+        let right = Vector3::new(sin, -cos, 0.0);
+        let axes = Matrix3::from_columns(&[right, forward.cross(&right), forward]);
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+        Isometry3::from_parts((self.target - self.distance * forward).into(), rotation)
+    }
+
+    /// The lens of a picture of `size`.
+    pub fn pinhole(&self, size: Size) -> Pinhole {
+        let focal = 0.5 * f64::from(size.height) / (0.5 * self.field_of_view).tan();
+        let (cx, cy) = (0.5 * (f64::from(size.width) - 1.0), 0.5 * (f64::from(size.height) - 1.0));
+        Pinhole { fx: focal, fy: focal, cx, cy, size }
     }
 }
 
@@ -92,4 +113,27 @@ pub enum Shown {
     Picture(Arc<Rgb8>),
     /// A composite with its layers.
     Layers(Arc<Layers>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Pixel, Position};
+
+    #[test]
+    fn an_orbiting_camera_sees_its_target_in_the_middle_upright_and_from_behind_at_azimuth_0() {
+        let size = Size::new(321, 241);
+        for azimuth in [0.0, 1.0, -2.5] {
+            let camera = OrbitCamera { azimuth, ..OrbitCamera::default() };
+            let see = |point: Point3<f64>| {
+                let seen = camera.pose().inverse() * point;
+                camera.pinhole(size).project(&Position::new(seen.coords)).unwrap()
+            };
+            assert!(see(camera.target).distance(Pixel::new(160.0, 120.0)) < 1e-9);
+            assert!(see(camera.target + 0.1 * Vector3::z()).y < 115.0, "up is up");
+        }
+        let behind = OrbitCamera { azimuth: 0.0, elevation: 0.0, ..OrbitCamera::default() }.pose();
+        assert!(behind.translation.vector.x < -1.0);
+        assert!(((behind.rotation * Vector3::x()) + Vector3::y()).norm() < 1e-12, "the robot's left is left");
+    }
 }

@@ -18,6 +18,8 @@ pub enum Action {
     Run(UiCommand),
     /// A change of the session by the operator: one undo step.
     Change(Command),
+    /// A change that is shown and computed, not yet kept: while a slider moves. The change that follows replaces it.
+    Preview(Command),
     /// A mask the operator made: one undo step.
     ChangeMask {
         /// Which mask.
