@@ -4,3 +4,4 @@ pub mod action;
 pub mod state;
 pub mod theme;
 pub mod ui_command;
+pub mod widgets;

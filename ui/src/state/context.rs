@@ -7,6 +7,7 @@ use crate::{action::Action, theme::Tokens};
 
 /// The window's state as a panel sees it: panels read the workspace, change options of their own, and ask for
 /// everything else by pushing actions, which are carried out once after all panels were drawn.
+#[derive(Debug)]
 pub struct Context<'a> {
     /// The open session.
     pub workspace: Option<&'a Workspace>,
