@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     geometry::{Side, Size},
-    image::Rgb8,
+    image::{Rgb8, Rgba8},
     render::RobotLayers,
 };
 
@@ -90,6 +90,25 @@ fn draw_robot(picture: &mut Rgb8, robot: &RobotLayers) {
 }
 
 fn draw_front(picture: &mut Rgb8, robot: &RobotLayers, order: &LayerDecision) {
+    for_front(robot, order, |at, above, alpha| {
+        let below = &mut picture.data_mut()[at * 3..at * 3 + 3];
+        for (below, above_channel) in below.iter_mut().zip(&above[..3]) {
+            *below = over(*below, *above_channel, alpha);
+        }
+    });
+}
+
+/// What of the robot lies over the object: its colours with straight alpha, as [`Compositor::compose`] draws them.
+pub fn front_layer(robot: &RobotLayers, order: &LayerDecision) -> Rgba8 {
+    let mut layer = Rgba8::new(robot.full.size());
+    for_front(robot, order, |at, [r, g, b, _], alpha| {
+        layer.data_mut()[at * 4..at * 4 + 4].copy_from_slice(&[r, g, b, alpha]);
+    });
+    layer
+}
+
+/// Calls `draw` with index, colour and alpha of every pixel of the robot that lies over the object.
+fn for_front(robot: &RobotLayers, order: &LayerDecision, mut draw: impl FnMut(usize, [u8; 4], u8)) {
     let weights = Side::BOTH.map(|side| {
         let whole = order.in_front[side].clamp(0.0, 1.0);
         (side, whole, (1.0 - whole) * order.near[side].clamp(0.0, 1.0))
@@ -97,19 +116,17 @@ fn draw_front(picture: &mut Rgb8, robot: &RobotLayers, order: &LayerDecision) {
     if weights.iter().all(|(_, whole, near)| *whole <= 0.0 && *near <= 0.0) {
         return;
     }
-    for (i, below) in picture.data_mut().as_chunks_mut::<3>().0.iter_mut().enumerate() {
-        let above = robot.full.data()[i * 4..i * 4 + 4].first_chunk::<4>();
-        let Some(above) = above.filter(|above| above[3] != 0) else { continue };
+    for (at, above) in robot.full.pixels().enumerate() {
+        if above[3] == 0 {
+            continue;
+        }
         let mut coverage = 0.0_f32;
         for (side, whole, near) in weights {
-            let sides = f32::from(robot.sides[side].data[i]);
+            let sides = f32::from(robot.sides[side].data[at]);
             // The near parts belong to the side: where the whole side is in front they add nothing.
-            coverage += whole * sides + near * f32::from(robot.near[side].data[i]);
+            coverage += whole * sides + near * f32::from(robot.near[side].data[at]);
         }
-        let alpha = coverage.round().clamp(0.0, f32::from(above[3])) as u8;
-        for (below, above_channel) in below.iter_mut().zip(&above[..3]) {
-            *below = over(*below, *above_channel, alpha);
-        }
+        draw(at, *above, coverage.round().clamp(0.0, f32::from(above[3])) as u8);
     }
 }
 

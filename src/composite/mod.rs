@@ -16,7 +16,7 @@ pub mod order;
 mod params;
 
 #[cfg(feature = "engine")]
-pub use compositor::{Composite, Compositor, FrameLayers};
+pub use compositor::{Composite, Compositor, FrameLayers, front_layer};
 pub use decision::LayerDecision;
 #[cfg(feature = "engine")]
 pub use error::CompositeError;

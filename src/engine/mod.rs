@@ -7,11 +7,15 @@
 
 mod event;
 mod finding;
+#[cfg(feature = "engine")]
+mod local;
 mod picture;
 mod request;
 
 pub use event::{Access, Event, Opened, QueueItem, SaveState, WorkFailure};
 pub use finding::Finding;
+#[cfg(feature = "engine")]
+pub use local::{LocalEngine, Waker};
 pub use picture::{Layers, OrbitCamera, PictureKind, PictureRequest, Shown};
 pub use request::{Change, Direction, Request, Revision};
 

@@ -3,17 +3,20 @@
 pub mod batch;
 mod bench;
 mod cache;
+mod decisions;
 mod exit;
 mod failure;
 mod installation;
 mod job;
 mod manifest;
+mod memory;
 mod reporter;
 mod run;
 mod stage;
 
 pub use bench::{BenchOptions, episode_job, run_bench};
 pub use cache::{Cache, Key};
+pub use decisions::Decisions;
 pub use exit::ExitCode;
 pub use failure::ClipFailure;
 pub use installation::{Installation, PartReport, StageBackend};
@@ -21,6 +24,13 @@ pub use job::{ClipJob, JobError, RawObjectPrompt, jobs_from_inputs};
 pub use manifest::{
     Manifest, ManifestCamera, ManifestClip, ManifestError, ManifestHands, ManifestObject, ManifestParams,
 };
+pub use memory::Memory;
 pub use reporter::Listener;
-pub use run::{Background, ClipRun, Understood, run_clip, shown_arms, understand_clip};
+pub(crate) use run::{
+    Evidence, FramePixels, LayerPlan, compose_frame, layer_evidence, open_session, plan_layers, render_robot,
+    robot_renderer,
+};
+pub use run::{Background, ClipRun, Understood, run_clip, shown_arms, understand_clip,
+    understand_document,
+};
 pub use stage::Stage;

@@ -10,7 +10,7 @@ use std::{
 };
 
 use super::Stage;
-use crate::progress::Watch;
+use crate::{engine::Finding, progress::Watch};
 
 /// Hears how a clip goes on.
 pub trait Listener: Sync {
@@ -19,6 +19,14 @@ pub trait Listener: Sync {
 
     /// Something worth a line in the log.
     fn note(&self, text: &str);
+
+    /// Something was found out about the clip. A batch only writes results, so nothing happens by default.
+    fn found(&self, _finding: Finding) {}
+
+    /// Whether every object mask is to be told as it is made, which costs time.
+    fn wants_every_mask(&self) -> bool {
+        false
+    }
 }
 
 /// At most this often a stage's progress is passed on.

@@ -35,6 +35,21 @@ struct Writer {
     _lock: SessionLock,
 }
 
+impl Writer {
+    /// Appends a whole line and waits until it is on disk; on failure nothing of it stays.
+    fn write(&mut self, text: &str) -> io::Result<()> {
+        let written = self.journal.write_all(text.as_bytes()).and_then(|()| self.journal.sync_data());
+        match written {
+            Ok(()) => self.length += text.len() as u64,
+            // Cut a half-written line off so that a later attempt starts on a clean end.
+            Err(_) => {
+                self.journal.set_len(self.length).ok();
+            }
+        }
+        written
+    }
+}
+
 /// What loading had to mend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LoadReport {
@@ -172,6 +187,15 @@ impl Session {
         MaskStore::new(&self.folder.join("masks"))
     }
 
+    /// Takes an entry of any kind; returns once its journal line is on disk, `false` when there was nothing to
+    /// undo or redo.
+    ///
+    /// # Errors
+    /// When it is refused or cannot be written: the session is as before.
+    pub fn take(&mut self, author: Author, entry: Entry) -> Result<bool, SessionError> {
+        self.append(author, entry)
+    }
+
     /// Applies `command`; returns once its journal line is on disk.
     ///
     /// # Errors
@@ -198,27 +222,57 @@ impl Session {
 
     fn append(&mut self, author: Author, entry: Entry) -> Result<bool, SessionError> {
         let writer = self.writer.as_mut().ok_or(SessionError::ReadOnly)?;
-        // Try it on a copy first: a refused command must leave neither a line nor a change.
-        let mut history = self.history.clone();
-        if !history.apply(entry.clone())? {
-            return Ok(false);
-        }
+        // Applied first: a refused command leaves neither a line nor a change.
+        let Some(applied) = self.history.apply_revertibly(entry.clone())? else { return Ok(false) };
         let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_millis() as u64);
         let by_human = u64::from(author == Author::Human);
-        let (text, crc) = JournalLine { seq: self.next_seq, time, author, entry }.seal(self.last_crc)?;
+        let sealed = JournalLine { seq: self.next_seq, time, author, entry }.seal(self.last_crc);
         let path = self.folder.join("journal.jsonl");
-        let written = writer.journal.write_all(text.as_bytes()).and_then(|()| writer.journal.sync_data());
-        if let Err(source) = written {
-            // Cut a half-written line off so that a later attempt starts on a clean end.
-            writer.journal.set_len(writer.length).ok();
-            return Err(SessionError::Io { action: "append to", path, source });
-        }
-        writer.length += text.len() as u64;
-        self.history = history;
+        let written = sealed.and_then(|(text, crc)| match writer.write(&text) {
+            Ok(()) => Ok(crc),
+            Err(source) => Err(SessionError::Io { action: "append to", path, source }),
+        });
+        let crc = match written {
+            Ok(crc) => crc,
+            Err(error) => {
+                self.history.revert(applied)?;
+                return Err(error);
+            }
+        };
         self.human_edits += by_human;
         self.next_seq += 1;
         self.last_crc = crc;
         Ok(true)
+    }
+
+    /// Copies what is on disk into `folder`, which must hold no session yet, and opens the copy for writing.
+    ///
+    /// # Errors
+    /// When something cannot be read or written; this session stays as it is.
+    pub fn copy_to(&self, folder: &Path) -> Result<Self, SessionError> {
+        let journal = folder.join("journal.jsonl");
+        if journal.exists() {
+            let reason = "it holds a session already: choose another folder".to_owned();
+            return Err(SessionError::NotASession { path: folder.to_owned(), reason });
+        }
+        let masks = folder.join("masks");
+        fs::create_dir_all(&masks).map_err(io_error("create", &masks))?;
+        let old = self.folder.join("masks");
+        if old.is_dir() {
+            for entry in fs::read_dir(&old).map_err(io_error("read", &old))? {
+                let from = entry.map_err(io_error("read", &old))?.path();
+                let Some(name) = from.file_name() else { continue };
+                fs::copy(&from, masks.join(name)).map_err(io_error("copy", &from))?;
+            }
+        }
+        let from = self.folder.join("journal.jsonl");
+        let bytes = fs::read(&from).map_err(io_error("read", &from))?;
+        // Only whole lines: a torn one was never acknowledged.
+        let whole = parse_journal(&bytes)?.length;
+        write_durably(&journal, &bytes[..whole]).map_err(io_error("write", &journal))?;
+        let (copy, _) = Self::open(folder)?;
+        copy.save_snapshot()?;
+        Ok(copy)
     }
 
     /// Writes `session.json`, the readable snapshot. The journal stays the truth.

@@ -54,27 +54,83 @@ impl History {
     /// # Errors
     /// When a command is refused; nothing has changed then.
     pub fn apply(&mut self, entry: Entry) -> Result<bool, ApplyError> {
-        match entry {
-            Entry::Create(document) => *self = Self::new(*document),
+        Ok(self.apply_revertibly(entry)?.is_some())
+    }
+
+    /// As [`Self::apply`], with what takes the entry back as if it had never been; `None` when there was
+    /// nothing to undo or redo.
+    pub(super) fn apply_revertibly(&mut self, entry: Entry) -> Result<Option<Applied>, ApplyError> {
+        Ok(Some(match entry {
+            Entry::Create(document) => {
+                Applied::Create(Box::new(std::mem::replace(self, Self::new(*document))))
+            }
             Entry::Do(command) => {
                 let inverse = self.document.apply(command)?;
                 self.undo.push(inverse);
-                self.redo.clear();
+                Applied::Do { redo: std::mem::take(&mut self.redo) }
             }
-            Entry::Found(command) => {
-                self.document.apply(command)?;
-            }
+            Entry::Found(command) => Applied::Found(self.document.apply(command)?),
             Entry::Undo => {
-                let Some(inverse) = self.undo.pop() else { return Ok(false) };
-                let again = self.document.apply(inverse)?;
-                self.redo.push(again);
+                if !self.step(Way::Back)? {
+                    return Ok(None);
+                }
+                Applied::Undo
             }
             Entry::Redo => {
-                let Some(again) = self.redo.pop() else { return Ok(false) };
-                let inverse = self.document.apply(again)?;
-                self.undo.push(inverse);
+                if !self.step(Way::Again)? {
+                    return Ok(None);
+                }
+                Applied::Redo
+            }
+        }))
+    }
+
+    /// Takes back the entry that was applied last and never was.
+    pub(super) fn revert(&mut self, applied: Applied) -> Result<(), ApplyError> {
+        match applied {
+            Applied::Create(before) => *self = *before,
+            Applied::Do { redo } => {
+                if let Some(inverse) = self.undo.pop() {
+                    self.document.apply(inverse)?;
+                }
+                self.redo = redo;
+            }
+            Applied::Found(inverse) => {
+                self.document.apply(inverse)?;
+            }
+            Applied::Undo => {
+                self.step(Way::Again)?;
+            }
+            Applied::Redo => {
+                self.step(Way::Back)?;
             }
         }
+        Ok(())
+    }
+
+    fn step(&mut self, way: Way) -> Result<bool, ApplyError> {
+        let (from, to) = match way {
+            Way::Back => (&mut self.undo, &mut self.redo),
+            Way::Again => (&mut self.redo, &mut self.undo),
+        };
+        let Some(command) = from.pop() else { return Ok(false) };
+        to.push(self.document.apply(command)?);
         Ok(true)
     }
+}
+
+#[derive(Clone, Copy)]
+enum Way {
+    Back,
+    Again,
+}
+
+/// What takes an entry back that could not be written down.
+#[derive(Debug)]
+pub(super) enum Applied {
+    Create(Box<History>),
+    Do { redo: Vec<Command> },
+    Found(Command),
+    Undo,
+    Redo,
 }

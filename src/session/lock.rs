@@ -32,6 +32,11 @@ pub struct SessionLock {
 }
 
 impl SessionLock {
+    /// Who wrote its name into the lock of the session in `folder` last; `None` where that cannot be told.
+    pub fn holder(folder: &Path) -> Option<LockHolder> {
+        serde_json::from_str(&std::fs::read_to_string(folder.join("lock")).ok()?).ok()
+    }
+
     /// Takes the lock of the session in `folder`.
     ///
     /// # Errors

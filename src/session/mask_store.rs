@@ -95,6 +95,14 @@ impl MaskStore {
         serde_json::from_slice(&bytes).map_err(|error| fault(error.to_string()))
     }
 
+    /// Every whole mask in the store; what is damaged or is no mask is left out, and reported when it is needed.
+    pub fn all(&self) -> Vec<(MaskId, RleMask)> {
+        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+        let ids = names.filter_map(|name| MaskId::try_from(name.strip_suffix(".rle")?.to_owned()).ok());
+        ids.filter_map(|id| self.get(&id).ok().map(|mask| (id, mask))).collect()
+    }
+
     fn path(&self, id: &MaskId) -> PathBuf {
         self.folder.join(format!("{id}.rle"))
     }

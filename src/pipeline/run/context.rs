@@ -2,20 +2,23 @@
 
 use std::{
     error::Error,
-    sync::{Mutex, PoisonError, atomic::AtomicBool},
+    sync::{Arc, Mutex, PoisonError, atomic::AtomicBool},
     time::Instant,
 };
 
 use super::super::{
-    Cache, ClipFailure, ExitCode, Installation, Key, Listener, Stage,
+    Cache, ClipFailure, Decisions, ExitCode, Installation, Key, Listener, Memory, Stage,
     reporter::{Progress, StageWatch},
 };
-use crate::session::Document;
+use crate::session::{Author, Command, Document, MaskStore};
 
 /// A run's surroundings.
 pub(super) struct Context<'a> {
     pub(super) document: Document,
+    pub(super) masks: MaskStore,
     pub(super) cache: Cache,
+    /// What an interactive program kept from the run before.
+    pub(super) memory: Option<&'a Memory>,
     pub(super) installation: &'a Installation,
     pub(super) listener: &'a dyn Listener,
     pub(super) cancel: &'a AtomicBool,
@@ -52,16 +55,41 @@ impl Context<'_> {
         params: &impl serde::Serialize,
         otherwise: ExitCode,
         work: impl FnOnce(&StageWatch<'_>) -> Result<T, E>,
-    ) -> Result<(T, Key), ClipFailure>
+    ) -> Result<(Arc<T>, Key), ClipFailure>
     where
-        T: serde::Serialize + serde::de::DeserializeOwned,
+        T: serde::Serialize + serde::de::DeserializeOwned + Send + Sync + 'static,
         E: Error + 'static,
     {
         let key = Key::new(stage, inputs, params)?;
+        if let Some(artifact) = self.memory.and_then(|memory| memory.artifact(stage, &key)) {
+            self.progress.at(stage, 1.0);
+            return Ok((artifact, key));
+        }
         let artifact = self.stage(stage, |watch| {
             let make = || work(watch).map_err(|error| ClipFailure::from_error(&error, otherwise));
-            self.cache.get_or_make(stage, &key, make)
+            // While somebody moves a slider, a file for every value would be no use.
+            if self.memory.is_some() && stage == Stage::Retarget {
+                make()
+            } else {
+                self.cache.get_or_make(stage, &key, make)
+            }
         })?;
+        let artifact = Arc::new(artifact);
+        if let Some(memory) = self.memory {
+            memory.keep(stage, &key, &artifact);
+        }
         Ok((artifact, key))
+    }
+
+    /// A decision of the machine's, for this run and for whoever keeps the session.
+    pub(super) fn decide(
+        &mut self,
+        decisions: &mut dyn Decisions,
+        author: Author,
+        command: Command,
+    ) -> Result<(), ClipFailure> {
+        decisions.decide(author, command.clone())?;
+        self.document.apply(command).map_err(ClipFailure::bad_input)?;
+        Ok(())
     }
 }

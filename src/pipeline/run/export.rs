@@ -12,21 +12,22 @@ use std::{
 use super::{
     Understood,
     context::Context,
+    frame::{self, FramePixels},
     joined,
-    layers::{LayerPlan, plan_layers},
-    pixels::{self, FramePixels, next_frame},
+    layers::{LayerPlan, layer_evidence, plan_layers},
+    pixels::{self, next_frame},
     report::{backends, report},
     stills,
 };
 use crate::{
     clip::{FrameIndex, FrameSource as _},
-    composite::{Compositor, FrameLayers, ObjectEvidence},
+    composite::Compositor,
     export::{
         ClipFolder, ExportError, HandLimits, Record, RecordDescription, RecordMeta, VideoQuality, VideoWriter,
     },
     pipeline::{ClipFailure, ExitCode, Stage, batch::ClipOutcome},
     progress::Watch,
-    render::{LayerRequest, RobotLayers, RobotRenderParams, RobotRenderer},
+    render::RobotLayers,
     robot::{ARM_DOF, RobotModel},
 };
 
@@ -66,7 +67,7 @@ pub(super) fn write(
     let parts = &Parts { found, outcome };
     let folder = context.stage(Stage::Export, |watch| {
         let folder = ClipFolder::create(out, &parts.outcome.id)?;
-        let plan = plan_layers(&context.document, parts)?;
+        let plan = plan_layers(&context.document, found, &layer_evidence(found)?);
         thread::scope(|scope| {
             let (send, receive) = sync_channel(RENDERED_AHEAD);
             let renderer = scope.spawn(|| render_all(parts, &plan, send, watch));
@@ -96,14 +97,10 @@ fn render_all(
     send: SyncSender<RobotLayers>,
     watch: &dyn Watch,
 ) -> Result<(), ClipFailure> {
-    let mut renderer =
-        RobotRenderer::new(&parts.robot, parts.clip.info.intrinsics, RobotRenderParams::default())
-            .map_err(|error| failed(&error))?;
-    for (angles, shown) in parts.motion.angles.iter().zip(&plan.shown) {
+    let mut renderer = frame::robot_renderer(parts)?;
+    for index in FrameIndex::all(parts.clip.frame_count()) {
         watch.check().map_err(|error| failed(&error))?;
-        let request = LayerRequest { shown: *shown, ..LayerRequest::default() };
-        let layers = renderer.render(angles, &parts.motion.map, &request).map_err(|error| failed(&error))?;
-        if send.send(layers).is_err() {
+        if send.send(frame::render_robot(&mut renderer, parts, plan, index)?).is_err() {
             // The compositor stopped; it says why.
             return Ok(());
         }
@@ -134,25 +131,10 @@ fn compose_all(
             let message = "the renderer stopped early".to_owned();
             return Err(ClipFailure { stage: None, exit: ExitCode::Internal, message });
         };
-        let frame = next_frame(&pixels)?;
-        let masks = (parts.object.frame(index), parts.arms.union.frame(index).mask.decode());
-        let visible = masks.0.mask.decode();
-        let object = parts.template.as_ref().map(|template| ObjectEvidence {
-            template,
-            placement: template.placements[index.as_usize()].as_ref(),
-            source: &frame.source,
-            visible: masks.0.is_trusted().then_some(&visible),
-            hidden: &masks.1,
-        });
-        let layers = FrameLayers {
-            background: &frame.background,
-            robot: Some(&robot),
-            object,
-            order: plan.order[index.as_usize()],
-        };
-        let composed = compositor.compose(&layers).map_err(|error| failed(&error))?;
+        let pixels = next_frame(&pixels)?;
+        let composed = frame::compose_frame(&compositor, parts, plan, index, &pixels, &robot)?;
         composite.push(&composed.picture)?;
-        layers_video.push(&stills::layers_picture(&frame.background, &robot, &composed)?)?;
+        layers_video.push(&stills::layers_picture(&pixels.background, &robot, &composed)?)?;
     }
     composite.finish()?;
     layers_video.finish()?;

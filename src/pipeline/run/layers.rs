@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::export::Parts;
+use super::Understood;
 use crate::{
     clip::{FrameIndex, FrameSource as _},
     composite::{
@@ -17,9 +17,10 @@ use crate::{
 };
 
 /// One decision a frame.
-pub(super) struct LayerPlan {
-    pub(super) shown: Vec<PerSide<bool>>,
-    pub(super) order: Vec<LayerDecision>,
+#[derive(Clone, Debug)]
+pub(crate) struct LayerPlan {
+    pub(crate) shown: Vec<PerSide<bool>>,
+    pub(crate) order: Vec<LayerDecision>,
 }
 
 /// Frames around a driven one on which an arm stays in the picture while it comes from or goes to rest.
@@ -27,34 +28,50 @@ const REST_FRAMES: usize = 24;
 /// Contact from which a hand counts as touching.
 const TOUCHING: f64 = 0.5;
 
-/// Plans every frame's layers.
-pub(super) fn plan_layers(document: &Document, parts: &Parts<'_>) -> Result<LayerPlan, ClipFailure> {
-    let frames: Vec<FrameIndex> = FrameIndex::all(parts.clip.frame_count()).collect();
-    let seen: Vec<_> =
-        frames.par_iter().map(|index| frame_evidence(parts, *index)).collect::<Result<_, _>>()?;
-    let order = decide(&seen, &document.layer_orders, &OrderParams::default());
-    Ok(LayerPlan { shown: shown_arms(&parts.motion), order })
+/// What every source frame shows of hands before and behind the object; independent of the robot's motion.
+pub(crate) type Evidence = Vec<PerSide<SideEvidence>>;
+
+/// Looks at every frame.
+pub(crate) fn layer_evidence(found: &Understood) -> Result<Evidence, ClipFailure> {
+    let frames: Vec<FrameIndex> = FrameIndex::all(found.clip.frame_count()).collect();
+    frames.par_iter().map(|index| frame_evidence(found, *index)).collect()
 }
 
-fn frame_evidence(parts: &Parts<'_>, index: FrameIndex) -> Result<PerSide<SideEvidence>, ClipFailure> {
+/// Plans every frame's layers.
+pub(crate) fn plan_layers(document: &Document, found: &Understood, evidence: &Evidence) -> LayerPlan {
+    let seen: Evidence = evidence
+        .iter()
+        .enumerate()
+        .map(|(at, sides)| {
+            PerSide::from_fn(|side| {
+                let contact = found.hands.hands[side][at]
+                    .is_valid()
+                    .then_some(found.motion.sides[side][at].contact >= TOUCHING);
+                SideEvidence { contact, ..sides[side] }
+            })
+        })
+        .collect();
+    let order = decide(&seen, &document.layer_orders, &OrderParams::default());
+    LayerPlan { shown: shown_arms(&found.motion), order }
+}
+
+fn frame_evidence(found: &Understood, index: FrameIndex) -> Result<PerSide<SideEvidence>, ClipFailure> {
     let at = index.as_usize();
     let failed =
         |error: &(dyn std::error::Error + 'static)| ClipFailure::from_error(error, ExitCode::Internal);
-    let size = parts.clip.size();
-    let visible = parts.object.frame(index).mask.decode();
-    let placement = parts.template.as_ref().and_then(|track| Some((track, track.placements[at].as_ref()?)));
+    let size = found.clip.size();
+    let visible = found.object.frame(index).mask.decode();
+    let placement = found.template.as_ref().and_then(|track| Some((track, track.placements[at].as_ref()?)));
     let shape = match placement {
         Some((track, placement)) => placed_shape(track, placement, size).map_err(|error| failed(&error))?,
         None => Mask::new(size),
     };
     let mut result = PerSide::<SideEvidence>::default();
     for side in crate::geometry::Side::BOTH {
-        let hand = &parts.hands.hands[side][at];
-        let contact = hand.is_valid().then_some(parts.motion.sides[side][at].contact >= TOUCHING);
-        let arm = parts.arms.sides[side][at].decode();
+        let hand = &found.hands.hands[side][at];
+        let arm = found.arms.sides[side][at].decode();
         let keypoints = hand.is_valid().then_some(&hand.keypoints);
-        result[side] =
-            evidence(&arm, &visible, &shape, keypoints, contact).map_err(|error| failed(&error))?;
+        result[side] = evidence(&arm, &visible, &shape, keypoints, None).map_err(|error| failed(&error))?;
     }
     Ok(result)
 }

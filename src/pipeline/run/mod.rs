@@ -3,6 +3,7 @@
 mod context;
 mod edits;
 mod export;
+mod frame;
 mod layers;
 mod move_robot;
 mod pixels;
@@ -13,28 +14,33 @@ mod stills;
 mod understand;
 
 use std::{
+    collections::BTreeSet,
     path::Path,
-    sync::{Mutex, atomic::AtomicBool},
+    sync::{Arc, Mutex, atomic::AtomicBool},
     thread,
 };
 
 use super::{
-    Cache, ClipFailure, ClipJob, ExitCode, Installation, Key, Listener, Stage,
+    Cache, ClipFailure, ClipJob, Decisions, ExitCode, Installation, Key, Listener, Memory, Stage,
     batch::{ClipOutcome, ClipState, read_outcome},
     reporter::{Progress, StageWatch},
 };
 use crate::{
     clip::{FrameSource as _, StandardClip},
+    engine::Finding,
     hands::{Estimation, HandTrack},
     retarget::RobotMotion,
     robot::RobotModel,
     segment::{MaskTrack, arms::ArmTrack},
-    session::{Author, Command, Document, ObjectChoice, ReviewState, Session},
+    session::{Author, Command, Document, MaskStore, ObjectChoice, ReviewState, Session},
     template::TemplateTrack,
 };
 use context::Context;
 
+pub(crate) use frame::{FramePixels, compose_frame, render_robot, robot_renderer};
 pub use layers::shown_arms;
+pub(crate) use layers::{Evidence, LayerPlan, layer_evidence, plan_layers};
+pub(crate) use prepare::open_session;
 pub use understand::Background;
 
 /// How a run of one clip ended.
@@ -62,6 +68,34 @@ pub fn understand_clip(
     understand(job, &mut context, &mut session)
 }
 
+/// As [`understand_clip`], for a document that somebody else keeps: nothing is written but the cache of the session
+/// in `folder`; decisions go to `decisions`, and what `memory` holds from the run before is not made again.
+///
+/// # Errors
+/// As [`run_clip`].
+pub fn understand_document(
+    job: &ClipJob,
+    document: &Document,
+    folder: &Path,
+    memory: &Memory,
+    decisions: &mut dyn Decisions,
+    surroundings: (&Installation, &dyn Listener, &AtomicBool),
+) -> Result<Understood, ClipFailure> {
+    let (installation, listener, cancel) = surroundings;
+    let mut context = Context {
+        document: document.clone(),
+        masks: MaskStore::new(&folder.join("masks")),
+        cache: Cache::open(&folder.join("cache"))?,
+        memory: Some(memory),
+        installation,
+        listener,
+        cancel,
+        progress: Progress::default(),
+        timings: Mutex::default(),
+    };
+    understand(job, &mut context, decisions)
+}
+
 fn new_context<'a>(
     session: &Session,
     installation: &'a Installation,
@@ -70,6 +104,8 @@ fn new_context<'a>(
 ) -> Result<Context<'a>, ClipFailure> {
     Ok(Context {
         document: session.document().clone(),
+        masks: session.masks(),
+        memory: None,
         cache: Cache::open(&session.folder().join("cache"))?,
         installation,
         listener,
@@ -115,23 +151,23 @@ pub fn run_clip(
 #[derive(Debug)]
 pub struct Understood {
     /// The clip on its standard timeline.
-    pub clip: StandardClip,
+    pub clip: Arc<StandardClip>,
     /// Hands, forearms, sleeves.
-    pub arms: ArmTrack,
+    pub arms: Arc<ArmTrack>,
     /// The object's visible part.
-    pub object: MaskTrack,
+    pub object: Arc<MaskTrack>,
     /// The object whole, and where it goes; `None` where no object is known.
-    pub template: Option<TemplateTrack>,
+    pub template: Option<Arc<TemplateTrack>>,
     /// The clip without the human.
-    pub background: Background,
+    pub background: Arc<Background>,
     /// What the estimator saw.
-    pub landmarks: Estimation,
+    pub landmarks: Arc<Estimation>,
     /// Metric hands.
-    pub hands: HandTrack,
+    pub hands: Arc<HandTrack>,
     /// The robot in use.
     pub robot: RobotModel,
     /// Its motion.
-    pub motion: RobotMotion,
+    pub motion: Arc<RobotMotion>,
     /// The object as it was pointed at.
     pub choice: Option<ObjectChoice>,
 }
@@ -162,38 +198,51 @@ fn work(
 fn understand(
     job: &ClipJob,
     context: &mut Context<'_>,
-    session: &mut Session,
+    decisions: &mut dyn Decisions,
 ) -> Result<Understood, ClipFailure> {
+    let listener = context.listener;
     let clip = source::open_clip(context)?;
-    remember_hash(context, session, &clip.info.hash)?;
+    listener.found(Finding::Clip(Arc::new(clip.info.clone())));
+    remember_hash(context, decisions, &clip.info.hash)?;
     let table = (&clip.info.hash, clip.info.rotate, clip.info.intrinsics_source, &clip.info.frame_table);
     let clip_key = Key::new(Stage::Clip, &[], &table)?;
     let imported = move_robot::imported_track(context, &clip)?;
     let (seen, landmark_key) = understand::landmarks(context, &clip, imported.as_ref(), &clip_key)?;
-    let (arms, arms_key) = understand::arms(context, session, job, &clip, &seen.landmarks, &landmark_key)?;
+    let seen = Arc::new(seen);
+    listener.found(Finding::Landmarks(Arc::new(seen.landmarks.clone())));
+    let (arms, arms_key) = understand::arms(context, job, &clip, &seen.landmarks, &landmark_key)?;
+    listener.found(Finding::Arms(Arc::clone(&arms)));
     let choice =
-        understand::choose_object(context, session, job, &clip, &seen.landmarks, (&arms, &arms_key))?;
+        understand::choose_object(context, decisions, job, &clip, &seen.landmarks, (&arms, &arms_key))?;
+    listener.found(Finding::Choice(choice.clone()));
     let (object, object_key) =
-        understand::object(context, session, &clip, choice.as_ref(), &seen.landmarks, (&arms, &arms_key))?;
+        understand::object(context, &clip, choice.as_ref(), &seen.landmarks, (&arms, &arms_key))?;
+    listener.found(Finding::Object(Arc::clone(&object)));
     // The background needs nothing of what leads to the robot's motion, and neither fills all cores.
     let context = &*context;
     let (background, moved) = thread::scope(|scope| {
-        let background = scope
-            .spawn(|| understand::background(context, &clip, (&arms, &arms_key), (&object, &object_key)));
+        let background = scope.spawn(|| {
+            let made = understand::background(context, &clip, (&arms, &arms_key), (&object, &object_key))?;
+            listener.found(Finding::Background(Arc::clone(&made.report)));
+            Ok(made)
+        });
         let moved = (|| {
-            let (object, arms) = ((&object, &object_key), (&arms, &arms_key));
+            let (object, arms) = ((&*object, &object_key), (&*arms, &arms_key));
             let (template, template_key) =
-                understand::template(context, session, &clip, object, arms, &seen.landmarks)?;
-            let around = move_robot::surroundings(arms.0, template.as_ref());
+                understand::template(context, &clip, object, arms, &seen.landmarks)?;
+            listener.found(Finding::Template(template.clone()));
+            let around = move_robot::surroundings(arms.0, template.as_deref());
             let keys = [&landmark_key, &arms_key, &template_key];
             let (hands, hands_key) = move_robot::hands(context, &clip, imported, &seen, &around, keys)?;
+            listener.found(Finding::Hands(Arc::clone(&hands)));
             let (robot, motion) = move_robot::retarget(context, &hands, &hands_key)?;
+            listener.found(Finding::Motion(Arc::clone(&motion)));
             Ok::<_, ClipFailure>((template, hands, robot, motion))
         })();
         (joined(background.join()), moved)
     });
     // Where both failed, it is always the same one that is told.
-    let ((template, hands, robot, motion), background) = (moved?, background?);
+    let ((template, hands, robot, motion), background) = (moved?, Arc::new(background?));
     Ok(Understood { clip, arms, object, template, background, landmarks: seen, hands, robot, motion, choice })
 }
 
@@ -205,26 +254,32 @@ fn joined<T>(result: thread::Result<Result<T, ClipFailure>>) -> Result<T, ClipFa
     })
 }
 
-fn remember_hash(context: &mut Context<'_>, session: &mut Session, hash: &str) -> Result<(), ClipFailure> {
+fn remember_hash(
+    context: &mut Context<'_>,
+    decisions: &mut dyn Decisions,
+    hash: &str,
+) -> Result<(), ClipFailure> {
     let known = &context.document.clip.content_hash;
-    if !known.is_empty() && known != hash {
-        if session.human_edits() > 0 {
-            return Err(ClipFailure::bad_input(format_args!(
-                "{} is not the file this session was made from (its content differs): restore it, or start a new session",
-                context.document.clip.path
-            ))
-            .in_stage(Stage::Clip));
-        }
+    if known == hash {
+        return Ok(());
+    }
+    if !known.is_empty() {
         context.listener.note("the video file has changed since the last run");
     }
-    if known != hash {
-        let command = Command::SetContentHash(hash.to_owned());
-        if session.is_writable() {
-            session.apply(Author::Machine("clip".to_owned()), command.clone())?;
-        }
-        context.document.apply(command).map_err(ClipFailure::bad_input)?;
+    context.decide(decisions, Author::Machine("clip".to_owned()), Command::SetContentHash(hash.to_owned()))
+}
+
+/// A session with a person's edits stays with the file it was made from.
+fn check_hash(session: &Session, hash: &str) -> Result<(), ClipFailure> {
+    let clip = &session.document().clip;
+    if clip.content_hash.is_empty() || clip.content_hash == hash || session.human_edits() == 0 {
+        return Ok(());
     }
-    Ok(())
+    Err(ClipFailure::bad_input(format_args!(
+        "{} is not the file this session was made from (its content differs): restore it, or start a new session",
+        clip.path
+    ))
+    .in_stage(Stage::Clip))
 }
 
 /// The hash of everything that decides about the result and is known before any work.
@@ -240,7 +295,13 @@ fn inputs_key(
     let document = session.document();
     let hash = crate::clip::content_hash(Path::new(&document.clip.path), &watch)
         .map_err(|error| ClipFailure::from(error).in_stage(Stage::Clip))?;
-    let mut decided = Document { proposals: Vec::new(), review: ReviewState::Unreviewed, ..document.clone() };
+    check_hash(session, &hash)?;
+    let mut decided = Document {
+        proposals: Vec::new(),
+        confirmed: BTreeSet::new(),
+        review: ReviewState::Unreviewed,
+        ..document.clone()
+    };
     decided.clip.content_hash = hash;
     decided.clip.path.clear();
     // What the machine or the manifest chose follows from the other inputs.

@@ -1,5 +1,7 @@
 //! From hands to the robot's motion.
 
+use std::sync::Arc;
+
 use super::context::Context;
 use crate::{
     clip::{FrameSource as _, StandardClip},
@@ -44,11 +46,11 @@ pub(super) fn hands(
     seen: &Estimation,
     around: &Surroundings,
     keys: [&Key; 3],
-) -> Result<(HandTrack, Key), ClipFailure> {
+) -> Result<(Arc<HandTrack>, Key), ClipFailure> {
     if let Some(mut track) = imported {
         strike_out(&mut track, &context.document);
         let key = Key::new(Stage::Hands, &keys[..1], &"imported")?;
-        return Ok((track, key));
+        return Ok((Arc::new(track), key));
     }
     let mut params = FitParams::default();
     if let Some(length) = context.document.retarget.hand_length {
@@ -81,7 +83,7 @@ pub(super) fn retarget(
     context: &Context<'_>,
     hands: &HandTrack,
     hands_key: &Key,
-) -> Result<(RobotModel, RobotMotion), ClipFailure> {
+) -> Result<(RobotModel, Arc<RobotMotion>), ClipFailure> {
     let robot = load_robot(context.installation).map_err(|failure| failure.in_stage(Stage::Retarget))?;
     let params = params_of(&context.document);
     let inputs = (&params, identity_of(&robot));

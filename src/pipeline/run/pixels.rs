@@ -5,22 +5,15 @@ use std::sync::{
     mpsc::{Receiver, SyncSender},
 };
 
-use super::export::Parts;
+use super::{export::Parts, frame::FramePixels};
 use crate::{
     clip::{FrameIndex, FrameSource as _},
-    image::Rgb8,
     pipeline::{ClipFailure, ExitCode},
     progress::Watch,
 };
 
 /// Frames that may wait for each reader: enough to overlap, few enough to bound memory.
 pub(super) const READ_AHEAD: usize = 2;
-
-/// One frame as filmed and without the human.
-pub(super) struct FramePixels {
-    pub(super) source: Rgb8,
-    pub(super) background: Rgb8,
-}
 
 /// Reads every frame in order and hands it to everyone who still listens.
 pub(super) fn read_all(

@@ -8,7 +8,7 @@ use crate::{
 };
 
 /// Opens or creates the job's session and brings it up to what the manifest says now.
-pub(super) fn open_session(
+pub(crate) fn open_session(
     job: &ClipJob,
     out: &Path,
     listener: &dyn Listener,

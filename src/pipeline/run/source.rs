@@ -1,5 +1,7 @@
 //! The clip, decoded, and what the manifest pointed at on it.
 
+use std::sync::Arc;
+
 use crate::{
     clip::{self, CameraSpec, ClipFlag, ClipInfo, ClipRequest, StandardClip},
     geometry::{Pixel, PixelBox},
@@ -10,11 +12,18 @@ use crate::{
 use super::context::Context;
 
 /// Decodes the session's clip into the cache folder.
-pub(super) fn open_clip(context: &Context<'_>) -> Result<StandardClip, ClipFailure> {
+pub(super) fn open_clip(context: &Context<'_>) -> Result<Arc<StandardClip>, ClipFailure> {
     let request = clip_request(&context.document);
+    if let Some(clip) = context.memory.and_then(|memory| memory.clip(&request)) {
+        return Ok(clip);
+    }
     let clip =
         context.stage(Stage::Clip, |watch| Ok(clip::open(&request, context.cache.folder(), watch)?))?;
     describe(&clip.info, context.listener);
+    let clip = Arc::new(clip);
+    if let Some(memory) = context.memory {
+        memory.keep_clip(request, &clip);
+    }
     Ok(clip)
 }
 

@@ -4,7 +4,8 @@ use std::sync::{Arc, mpsc::Receiver};
 
 use super::{
     export::Parts,
-    pixels::{FramePixels, next_frame},
+    frame::FramePixels,
+    pixels::next_frame,
 };
 use crate::{
     clip::{FrameIndex, FrameSource as _},

@@ -1,6 +1,6 @@
 //! From pixels to what is in them: hands, arms, object, template, background.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
@@ -10,19 +10,20 @@ use super::{
     source::standard_prompt,
 };
 use crate::{
+    engine::Finding,
     clip::{FrameIndex, FrameSource, FrameStore, FrameStoreWriter, StandardClip},
     geometry::PerSide,
     hands::{self, EstimateParams, Estimation, EstimatorCommand, HandTrack},
     inpaint::{self, InpaintParams, InpaintReport},
     landmarks::{HandLandmarks, LandmarkTrack},
-    pipeline::{ClipFailure, ClipJob, ExitCode, Key, Stage},
+    pipeline::{ClipFailure, ClipJob, Decisions, ExitCode, Key, Stage},
     segment::{
         MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask, SegmentError,
         arms::{self, ArmInputs, ArmParams, ArmTrack, HandledObject},
         object::{self, ObjectParams, ObjectPrompt, PromptKind},
     },
     select::{self, SelectParams},
-    session::{Author, Command, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState, Session},
+    session::{Author, Command, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState},
     template::{self, TemplateParams, TemplateTrack},
 };
 
@@ -39,7 +40,7 @@ pub(super) fn landmarks(
     let (estimation, key) = if let Some(track) = imported {
         let key = Key::new(Stage::Landmarks, &[clip_key], &(&context.document.hand_track, track))?;
         let landmarks = landmarks_of(track);
-        (Estimation { landmarks, backend: track.backend.clone() }, key)
+        (Arc::new(Estimation { landmarks, backend: track.backend.clone() }), key)
     } else {
         let params = EstimateParams::default();
         let inputs = (&params, blake3::hash(ESTIMATOR_SCRIPT.as_bytes()).to_hex().to_string());
@@ -54,8 +55,8 @@ pub(super) fn landmarks(
     };
     let document = &context.document;
     let key = Key::new(Stage::Landmarks, &[&key], &(&document.hand_edits, &document.sides_swapped))?;
-    let landmarks = edited_landmarks(estimation.landmarks, document);
-    Ok((Estimation { landmarks, ..estimation }, key))
+    let landmarks = edited_landmarks(estimation.landmarks.clone(), document);
+    Ok((Estimation { landmarks, backend: estimation.backend.clone() }, key))
 }
 
 /// An imported track as an estimator would have seen it.
@@ -78,14 +79,13 @@ fn landmarks_of(track: &HandTrack) -> LandmarkTrack {
 /// Arm masks.
 pub(super) fn arms(
     context: &Context<'_>,
-    session: &Session,
     job: &ClipJob,
     clip: &StandardClip,
     landmarks: &LandmarkTrack,
     landmark_key: &Key,
-) -> Result<(ArmTrack, Key), ClipFailure> {
+) -> Result<(Arc<ArmTrack>, Key), ClipFailure> {
     let human =
-        human_masks(&context.document, &session.masks(), MaskLayer::Arms, clip.size(), clip.frame_count())?;
+        human_masks(&context.document, &context.masks, MaskLayer::Arms, clip.size(), clip.frame_count())?;
     let params = ArmParams::default();
     let object = handled_object(context, job, clip)?;
     let stated = object.map(|object| (object.frame, object.bounds));
@@ -130,7 +130,7 @@ fn stated_object(
 /// The object: the person's or the manifest's, else the best proposal, which asks for a review.
 pub(super) fn choose_object(
     context: &mut Context<'_>,
-    session: &mut Session,
+    decisions: &mut dyn Decisions,
     job: &ClipJob,
     clip: &StandardClip,
     landmarks: &LandmarkTrack,
@@ -140,7 +140,7 @@ pub(super) fn choose_object(
     if let Some(object) = wanted {
         if context.document.object.as_ref() != Some(&object) {
             let author = object.author.clone();
-            change(context, session, author, Command::SetObject(Some(object.clone())))?;
+            context.decide(decisions, author, Command::SetObject(Some(object.clone())))?;
         }
         return Ok(Some(object));
     }
@@ -153,7 +153,7 @@ pub(super) fn choose_object(
         context.cached_stage(Stage::Select, &[arms.1], &params, ExitCode::Internal, |watch| {
             select::propose(clip, landmarks, &arms.0.union, &params, watch)
         })?;
-    let proposals: Vec<ObjectChoice> = proposals.into_iter().map(as_choice).collect();
+    let proposals: Vec<ObjectChoice> = proposals.iter().map(as_choice).collect();
     let best = proposals.first().cloned();
     let reason = match &best {
         Some(best) => {
@@ -169,47 +169,32 @@ pub(super) fn choose_object(
         if context.document.review == ReviewState::Unreviewed {
             commands.push(Command::SetReview(ReviewState::NeedsReview { reason }));
         }
-        change(context, session, machine, Command::Together(commands))?;
+        context.decide(decisions, machine, Command::Together(commands))?;
     }
     Ok(best)
 }
 
-fn as_choice(proposal: select::Proposal) -> ObjectChoice {
+fn as_choice(proposal: &select::Proposal) -> ObjectChoice {
     ObjectChoice {
-        label: proposal.label,
+        label: proposal.label.clone(),
         frame: proposal.frame,
         prompt: ObjectPromptKind::Box(proposal.bounds),
         confidence: proposal.confidence,
-        reason: proposal.reason,
-        author: Author::Machine(proposal.backend),
+        reason: proposal.reason.clone(),
+        author: Author::Machine(proposal.backend.clone()),
     }
-}
-
-/// Changes the session where it may be changed, and this run's copy of its document in any case.
-fn change(
-    context: &mut Context<'_>,
-    session: &mut Session,
-    author: Author,
-    command: Command,
-) -> Result<(), ClipFailure> {
-    if session.is_writable() {
-        session.apply(author, command.clone())?;
-    }
-    context.document.apply(command).map_err(ClipFailure::bad_input)?;
-    Ok(())
 }
 
 /// Object masks; all empty and lost where nobody knows what the object is.
 pub(super) fn object(
     context: &Context<'_>,
-    session: &Session,
     clip: &StandardClip,
     choice: Option<&ObjectChoice>,
     landmarks: &LandmarkTrack,
     arms: (&ArmTrack, &Key),
-) -> Result<(MaskTrack, Key), ClipFailure> {
+) -> Result<(Arc<MaskTrack>, Key), ClipFailure> {
     let human =
-        human_masks(&context.document, &session.masks(), MaskLayer::Object, clip.size(), clip.frame_count())?;
+        human_masks(&context.document, &context.masks, MaskLayer::Object, clip.size(), clip.frame_count())?;
     let guessed = choice.is_some_and(|choice| matches!(choice.author, Author::Machine(_)));
     let prompts = prompts(choice, human);
     let params = ObjectParams::default();
@@ -217,7 +202,11 @@ pub(super) fn object(
         if prompts.is_empty() {
             return Ok(nothing(clip));
         }
-        match object::track_object(clip, &prompts, &arms.0.union, landmarks, &params, watch) {
+        let tell = |index: FrameIndex, mask: &MaskFrame| {
+            context.listener.found(Finding::ObjectFrame(index, Box::new(mask.clone())));
+        };
+        let sink: Option<&object::MaskSink<'_>> = context.listener.wants_every_mask().then_some(&tell);
+        match object::track_object(clip, &prompts, &arms.0.union, landmarks, &params, sink, watch) {
             // A guess of our own that leads nowhere is no fault of the input: the clip goes on without an object.
             Err(SegmentError::Prompt { reason, .. }) if guessed => {
                 context
@@ -258,25 +247,25 @@ fn nothing(clip: &StandardClip) -> MaskTrack {
 /// The object's template and placements, with the person's own on top.
 pub(super) fn template(
     context: &Context<'_>,
-    session: &Session,
     clip: &StandardClip,
     object: (&MaskTrack, &Key),
     arms: (&ArmTrack, &Key),
     landmarks: &LandmarkTrack,
-) -> Result<(Option<TemplateTrack>, Key), ClipFailure> {
+) -> Result<(Option<Arc<TemplateTrack>>, Key), ClipFailure> {
     let edits = &context.document.template;
     let params = TemplateParams::default();
     let mut object_masks = object.0.clone();
     if let (Some(frame), Some(id)) = (edits.frame, &edits.mask)
         && let Some(slot) = object_masks.frames.get_mut(frame.as_usize())
     {
-        slot.mask = session.masks().get(id)?;
+        slot.mask = context.masks.get(id)?;
     }
     let inputs = (&params, edits.frame, &edits.mask);
-    let (mut track, key) =
+    let (track, key) =
         context.cached_stage(Stage::Template, &[object.1, arms.1], &inputs, ExitCode::Internal, |watch| {
             template::build(clip, &object_masks, &arms.0.union, edits.frame, landmarks, &params, watch)
         })?;
+    let mut track = Option::clone(&track);
     if let Some(track) = &mut track {
         for (frame, transform) in &edits.placements {
             if let Some(slot) = track.placements.get_mut(frame.as_usize()) {
@@ -286,7 +275,7 @@ pub(super) fn template(
         }
     }
     let key = Key::new(Stage::Template, &[&key], &edits.placements.iter().collect::<Vec<_>>())?;
-    Ok((track, key))
+    Ok((track.map(Arc::new), key))
 }
 
 /// What the background stage leaves: the frames on disk, the report in memory.
@@ -295,7 +284,7 @@ pub struct Background {
     /// Every frame without arms; the visible object is still in it.
     pub frames: FrameStore,
     /// Where its pixels come from.
-    pub report: InpaintReport,
+    pub report: Arc<InpaintReport>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -332,5 +321,5 @@ pub(super) fn background(
     })?;
     let frames =
         FrameStore::open(&path).map_err(|error| ClipFailure::from_error(&error, ExitCode::InputOutput))?;
-    Ok(Background { frames, report: sealed.report })
+    Ok(Background { frames, report: Arc::new(sealed.report) })
 }

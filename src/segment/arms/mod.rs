@@ -34,7 +34,7 @@ use self::{
     sweep::Swept,
     work_frame::WorkFrame,
 };
-use super::{MaskTrack, RleMask, SegmentError};
+use super::{RleMask, SegmentError};
 use crate::{
     clip::{FrameIndex, FrameSource},
     geometry::{PerSide, PixelBox, Side},

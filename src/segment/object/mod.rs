@@ -50,6 +50,10 @@ use crate::{
     vision::{WorkScale, single_threaded},
 };
 
+/// Hears of every mask as it is propagated, in any order and from any thread. Where sweeps from two prompts meet, a
+/// frame is told twice; what they make together is only in the finished track. Frames of prompts are never told.
+pub type MaskSink<'a> = dyn Fn(FrameIndex, &MaskFrame) + Sync + 'a;
+
 /// The visible part of the object on every frame.
 ///
 /// `prompts` speak of the object on at least one frame; where several speak of one frame, the last
@@ -65,6 +69,7 @@ pub fn track_object(
     arms: &MaskTrack,
     landmarks: &LandmarkTrack,
     params: &ObjectParams,
+    sink: Option<&MaskSink<'_>>,
     watch: &dyn Watch,
 ) -> Result<MaskTrack, SegmentError> {
     single_threaded();
@@ -80,7 +85,15 @@ pub fn track_object(
         let reason = "nothing there stands out from its surroundings; draw the mask by hand".to_owned();
         return Err(SegmentError::Prompt { frame, reason });
     }
-    let found = propagate(&scene, &seeds, count)?;
+    let tell = |index: FrameIndex, found: &Found| {
+        if let Some(sink) = sink
+            && !prompts.contains_key(&index)
+        {
+            sink(index, &sweep::finish(&scene, index, found, MaskAuthor::Propagated)?);
+        }
+        Ok(())
+    };
+    let found = propagate(&scene, &seeds, count, &tell)?;
     let frames = (0..count).into_par_iter().map(|at| {
         watch.check()?;
         let index = FrameIndex(at as u32);
@@ -88,6 +101,45 @@ pub fn track_object(
     });
     let frames = frames.collect::<Result<Vec<MaskFrame>, SegmentError>>()?;
     Ok(MaskTrack { size, frames, backend: "classical".to_owned() })
+}
+
+/// The object's visible part on the frame of `prompt` alone: what a person sees at once, before anything is
+/// propagated. `arms` is the arm mask of that frame, where it is known.
+///
+/// # Errors
+/// When the prompt lies outside the picture or nothing there stands out, a frame cannot be read, or when cancelled.
+pub fn segment_frame(
+    frames: &dyn FrameSource,
+    prompt: &ObjectPrompt,
+    arms: Option<RleMask>,
+    params: &ObjectParams,
+    watch: &dyn Watch,
+) -> Result<RleMask, SegmentError> {
+    single_threaded();
+    let (count, size) = (frames.frame_count(), frames.size());
+    let empty = MaskFrame {
+        mask: RleMask::empty(size),
+        author: MaskAuthor::Propagated,
+        score: 0.0,
+        flags: Vec::new(),
+    };
+    let mut arm_track = MaskTrack { size, frames: vec![empty; count], backend: String::new() };
+    check_inputs(count, size, std::slice::from_ref(prompt), &arm_track)?;
+    if let Some(arms) = arms.filter(|arms| arms.size() == size) {
+        arm_track.frames[prompt.frame.as_usize()].mask = arms;
+    }
+    let landmarks = LandmarkTrack::new();
+    let scale = WorkScale::fit(size, params.work_side.max(64));
+    let scene =
+        Scene { frames, arms: &arm_track, landmarks: &landmarks, params, scale, arm_colours: None, watch };
+    let prompts = BTreeMap::from([(prompt.frame, &prompt.kind)]);
+    let seeds = seeds(&scene, &prompts)?;
+    let Some((index, state)) = seeds.first() else {
+        let reason = "nothing there stands out from its surroundings; draw the mask by hand".to_owned();
+        return Err(SegmentError::Prompt { frame: prompt.frame, reason });
+    };
+    let found = sweep_seed(state, &scene);
+    Ok(sweep::finish(&scene, *index, &found, MaskAuthor::Seeded)?.mask)
 }
 
 fn check_inputs(
@@ -156,6 +208,7 @@ fn propagate(
     scene: &Scene<'_>,
     seeds: &[(FrameIndex, State)],
     count: usize,
+    tell: &(dyn Fn(FrameIndex, &Found) -> Result<(), SegmentError> + Sync),
 ) -> Result<Vec<Found>, SegmentError> {
     // Each job: the seed it starts from, its direction, where it ends (exclusive of other seeds).
     let mut jobs = Vec::new();
@@ -171,7 +224,10 @@ fn propagate(
     let done = || scene.watch.advance(finished.fetch_add(1, Ordering::Relaxed) + 1, total);
     let results = jobs.par_iter().map(|(at, targets)| {
         let indices = targets.iter().map(|target| FrameIndex(*target as u32));
-        sweep::sweep(scene, &seeds[*at].1, indices, &done)
+        sweep::sweep(scene, &seeds[*at].1, indices, &|index, found| {
+            done();
+            tell(index, found)
+        })
     });
     let results = results.collect::<Result<Vec<_>, SegmentError>>()?;
     let mut found: Vec<Option<Found>> = vec![None; count];

@@ -36,20 +36,21 @@ impl Found {
     }
 }
 
-/// Sweeps from `start` (exclusive) over `targets` in their order; calls `done` once a frame.
+/// Sweeps from `start` (exclusive) over `targets` in their order; calls `done` with every frame.
 pub(crate) fn sweep(
     scene: &Scene<'_>,
     start: &State,
     targets: impl Iterator<Item = FrameIndex>,
-    done: &(dyn Fn() + Sync),
+    done: &(dyn Fn(FrameIndex, &Found) -> Result<(), SegmentError> + Sync),
 ) -> Result<Vec<Found>, SegmentError> {
     let mut state = start.clone();
     let mut found = Vec::new();
     for index in targets {
         scene.watch.check()?;
         state = advance(scene, &state, Arc::new(scene.view(index)?), index)?;
-        found.push(Found::of(&state, scene));
-        done();
+        let here = Found::of(&state, scene);
+        done(index, &here)?;
+        found.push(here);
     }
     Ok(found)
 }

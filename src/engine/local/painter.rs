@@ -1,0 +1,161 @@
+//! The thread that makes pictures.
+
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::Arc,
+};
+
+use super::{
+    panic_text,
+    scene::{DraftWish, PaintJob, Scene, Shared},
+};
+use crate::{
+    clip::{FrameIndex, FrameSource, StandardClip},
+    composite::{Compositor, front_layer},
+    engine::{Event, Layers, OrbitCamera, PictureKind, PictureRequest, Shown},
+    geometry::Size,
+    image::Rgb8,
+    pipeline::{FramePixels, compose_frame, render_robot, robot_renderer},
+    progress::Unwatched,
+    render::{OrbitRenderer, RobotRenderer},
+    segment::{
+        RleMask,
+        object::{self, ObjectParams, ObjectPrompt, PromptKind},
+    },
+};
+
+/// The painter's own things; OpenGL contexts belong to its thread.
+#[derive(Default)]
+struct Studio {
+    robot: Option<(Arc<StandardClip>, String, RobotRenderer)>,
+    orbit: Option<(String, OrbitRenderer)>,
+}
+
+pub(super) fn run(shared: &Shared) {
+    let mut studio = Studio::default();
+    loop {
+        match shared.next_paint_job() {
+            PaintJob::Stop => return,
+            PaintJob::Picture(request) => {
+                let painted = catch_unwind(AssertUnwindSafe(|| paint(shared, &mut studio, &request)));
+                let result = painted.unwrap_or_else(|panic| {
+                    // A renderer that panicked may be in any state.
+                    studio = Studio::default();
+                    Err(panic_text(&*panic))
+                });
+                shared.tell(Event::Picture { request, result });
+            }
+            PaintJob::Draft(wish) => {
+                let drawn = catch_unwind(AssertUnwindSafe(|| draft(shared, &wish)));
+                let result = drawn.unwrap_or_else(|panic| Err(panic_text(&*panic)));
+                let DraftWish { layer, frame, .. } = wish;
+                shared.tell(Event::Draft { layer, frame, result: result.map(Arc::new) });
+            }
+        }
+    }
+}
+
+fn clip_of(shared: &Shared) -> Result<Arc<StandardClip>, String> {
+    let clip = shared.open_clip().and_then(|open| open.memory.latest_clip());
+    clip.ok_or_else(|| "the clip is not decoded yet".to_owned())
+}
+
+fn scene_of(shared: &Shared) -> Result<Scene, String> {
+    match (shared.scene(), shared.fault()) {
+        (Some(scene), _) => Ok(scene),
+        (None, Some(fault)) => Err(fault),
+        (None, None) => Err("it is not worked out yet".to_owned()),
+    }
+}
+
+fn paint(shared: &Shared, studio: &mut Studio, request: &PictureRequest) -> Result<Shown, String> {
+    let frame = request.frame;
+    match request.kind {
+        PictureKind::Source => Ok(Shown::Picture(Arc::new(source(&*clip_of(shared)?, frame)?))),
+        PictureKind::Thumbnail { height } => {
+            let picture = source(&*clip_of(shared)?, frame)?;
+            let size = picture.size();
+            let width = (size.width * height / size.height.max(1)).max(1);
+            let small = picture.resized(Size::new(width, height.max(1))).map_err(|error| error.to_string())?;
+            Ok(Shown::Picture(Arc::new(small)))
+        }
+        PictureKind::Composite => {
+            let layers = layers(studio, &scene_of(shared)?, frame)?;
+            Ok(Shown::Layers(Arc::new(layers)))
+        }
+        PictureKind::Orbit { camera, size } => {
+            let picture = orbit(studio, &scene_of(shared)?, frame, &camera, size)?;
+            Ok(Shown::Picture(Arc::new(picture)))
+        }
+    }
+}
+
+fn source(clip: &dyn FrameSource, frame: FrameIndex) -> Result<Rgb8, String> {
+    clip.frame(frame).map_err(|error| error.to_string())
+}
+
+/// A frame's layers, made as the export makes them.
+fn layers(studio: &mut Studio, scene: &Scene, frame: FrameIndex) -> Result<Layers, String> {
+    let found = &scene.found;
+    let pixels = FramePixels {
+        source: source(&*found.clip, frame)?,
+        background: source(&found.background.frames, frame)?,
+    };
+    let robot_name = found.robot.mjcf().to_owned();
+    let known = studio
+        .robot
+        .as_ref()
+        .is_some_and(|(clip, name, _)| Arc::ptr_eq(clip, &found.clip) && *name == robot_name);
+    if !known {
+        let renderer = robot_renderer(found).map_err(|failure| failure.message)?;
+        studio.robot = Some((Arc::clone(&found.clip), robot_name, renderer));
+    }
+    let Some((_, _, renderer)) = &mut studio.robot else { return Err("no renderer".to_owned()) };
+    let robot = render_robot(renderer, found, &scene.plan, frame).map_err(|failure| failure.message)?;
+    let composed = compose_frame(&Compositor::default(), found, &scene.plan, frame, &pixels, &robot)
+        .map_err(|failure| failure.message)?;
+    let size = pixels.source.size();
+    let front = front_layer(&robot, &scene.plan.order[frame.as_usize()]);
+    Ok(Layers {
+        composite: composed.picture,
+        background: pixels.background,
+        object: composed.object.map(|object| object.to_rgba(size)),
+        front,
+        robot: robot.full,
+    })
+}
+
+fn orbit(
+    studio: &mut Studio,
+    scene: &Scene,
+    frame: FrameIndex,
+    camera: &OrbitCamera,
+    size: Size,
+) -> Result<Rgb8, String> {
+    let robot = &scene.found.robot;
+    let large_enough = |renderer: &OrbitRenderer| {
+        renderer.size().width >= size.width && renderer.size().height >= size.height
+    };
+    let known = studio
+        .orbit
+        .as_ref()
+        .is_some_and(|(name, renderer)| *name == robot.mjcf() && large_enough(renderer));
+    if !known {
+        let renderer = OrbitRenderer::new(robot, size).map_err(|error| error.to_string())?;
+        studio.orbit = Some((robot.mjcf().to_owned(), renderer));
+    }
+    let Some((_, renderer)) = &mut studio.orbit else { return Err("no renderer".to_owned()) };
+    let angles = scene.found.motion.angles.get(frame.as_usize()).ok_or("beyond the clip's end")?;
+    renderer.render(angles, camera, size).map_err(|error| error.to_string())
+}
+
+/// A mask from points, on one frame alone.
+fn draft(shared: &Shared, wish: &DraftWish) -> Result<RleMask, String> {
+    let clip = clip_of(shared)?;
+    let kind = PromptKind::Points { positive: wish.positive.clone(), negative: wish.negative.clone() };
+    let prompt = ObjectPrompt { frame: wish.frame, kind };
+    let arms = shared.scene().filter(|_| wish.arms_matter).map(|scene| Arc::clone(&scene.found.arms));
+    let arms = arms.map(|arms| arms.union.frame(wish.frame).mask.clone());
+    object::segment_frame(&*clip, &prompt, arms, &ObjectParams::default(), &Unwatched)
+        .map_err(|error| error.to_string())
+}
