@@ -1,6 +1,9 @@
 //! The operator's desktop application: panels over a session's history and an engine handle.
 
 pub mod action;
+pub mod key_sheet;
+pub mod palette;
+pub mod panels;
 pub mod state;
 pub mod theme;
 pub mod ui_command;

@@ -1,7 +1,7 @@
 //! A short text with a glyph before it, in a rounded frame: a state, a filter, a step.
 
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Response, Sense, Stroke, StrokeKind, Ui, Widget, WidgetInfo,
+    Align2, Color32, CornerRadius, FontId, Response, Sense, Stroke, StrokeKind, Ui, Vec2, Widget, WidgetInfo,
     accesskit::Role, vec2,
 };
 
@@ -62,8 +62,24 @@ impl<'a> Chip<'a> {
     }
 }
 
+impl Chip<'_> {
+    /// The room it takes, points.
+    pub fn size(&self, ui: &Ui) -> Vec2 {
+        let width = |text: &str, size| {
+            ui.painter()
+                .layout_no_wrap(text.to_owned(), FontId::proportional(size), Color32::PLACEHOLDER)
+                .size()
+                .x
+        };
+        let glyph = if self.glyph.is_some() { 16.0 } else { 0.0 };
+        let number = self.count.map_or(0.0, |count| width(&count.to_string(), Tokens::SMALL) + 4.0);
+        vec2(8.0 + glyph + number + width(self.text, Tokens::TEXT) + 8.0, Tokens::ROW)
+    }
+}
+
 impl Widget for Chip<'_> {
     fn ui(self, ui: &mut Ui) -> Response {
+        let size = self.size(ui);
         let Self { tokens, text, name, glyph, count, chosen, clickable } = self;
         let painter = ui.painter();
         let text =
@@ -71,9 +87,6 @@ impl Widget for Chip<'_> {
         let number = count.map(|n| {
             painter.layout_no_wrap(n.to_string(), FontId::proportional(Tokens::SMALL), Color32::PLACEHOLDER)
         });
-        let glyph_width = if glyph.is_some() { 12.0 + 4.0 } else { 0.0 };
-        let number_width = number.as_ref().map_or(0.0, |galley| galley.size().x + 4.0);
-        let size = vec2(8.0 + text.size().x + number_width + glyph_width + 8.0, Tokens::ROW);
         let sense = if clickable { Sense::click() } else { Sense::hover() };
         let (rect, response) = ui.allocate_exact_size(size, sense);
         let role = if clickable { Role::Button } else { Role::Label };
@@ -104,11 +117,12 @@ impl Widget for Chip<'_> {
         };
         if let Some((icon, glyph_colour)) = glyph {
             icon.paint_at(painter, at + vec2(6.0, 0.0), 12.0, glyph_colour);
-            at.x += glyph_width;
+            at.x += 16.0;
         }
         if let Some(number) = number {
+            let number_width = number.size().x;
             put(at, number, tokens.alarm);
-            at.x += number_width;
+            at.x += number_width + 4.0;
         }
         put(at, text, colour);
         response

@@ -18,6 +18,7 @@ pub use card::card;
 pub use chip::Chip;
 pub use empty::empty_state;
 pub use icon::Icon;
+pub(crate) use keys::small;
 pub use keys::{key_caps, key_text, tooltip_with_key};
 pub use state_glyph::{StateGlyph, review_glyph, review_words, step_glyph, step_name, step_words};
 pub use thumbnail::Thumbnails;

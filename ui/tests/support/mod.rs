@@ -239,3 +239,24 @@ pub fn long_workspace(count: usize) -> Workspace {
 pub fn blank(size: Size) -> agenticfocus::image::Rgb8 {
     agenticfocus::image::Rgb8::new(size)
 }
+
+/// A harness of the given size that draws `show` with the bench, light or dark as the bench's tokens say.
+pub fn harness<'a>(
+    bench: Bench,
+    size: [f32; 2],
+    mut show: impl FnMut(&mut egui::Ui, &mut Bench) + 'a,
+) -> egui_kittest::Harness<'a, Bench> {
+    egui_kittest::Harness::builder()
+        .with_size(size)
+        .with_max_steps(16)
+        .with_os(egui::os::OperatingSystem::Nix)
+        .wgpu()
+        .build_ui_state(
+            move |ui, bench: &mut Bench| {
+                agenticfocus_ui::theme::apply(ui.ctx(), &bench.tokens);
+                ui.painter().rect_filled(ui.ctx().content_rect(), 0.0, bench.tokens.panel);
+                show(ui, bench);
+            },
+            bench,
+        )
+}

@@ -1,0 +1,129 @@
+//! The key sheet: every command with its keys, grouped by where they hold.
+
+use egui::{Align, Id, Layout, Modal, RichText, ScrollArea, Ui, vec2};
+
+use crate::{
+    state::Context,
+    theme::Tokens,
+    ui_command::{Scope, UiCommand},
+    widgets::{Icon, icon_button, key_caps, small},
+};
+
+/// Height of a row, points.
+const ROW: f32 = 22.0;
+/// Width of a column, points.
+const COLUMN: f32 = 288.0;
+
+/// The key sheet.
+#[derive(Debug, Default)]
+pub struct KeySheet;
+
+const SCOPES: [(Scope, &str); 8] = [
+    (Scope::Global, "Everywhere"),
+    (Scope::Object, "Object"),
+    (Scope::Masks, "Masks"),
+    (Scope::Template, "Template"),
+    (Scope::Hands, "Hands"),
+    (Scope::Retarget, "Retarget"),
+    (Scope::Composite, "Composite"),
+    (Scope::Review, "Review"),
+];
+
+/// A line of the sheet.
+#[derive(Clone, Copy)]
+enum Line {
+    Heading(&'static str),
+    Command(UiCommand),
+}
+
+fn lines() -> Vec<Line> {
+    let mut lines = Vec::new();
+    for (scope, name) in SCOPES {
+        lines.push(Line::Heading(name));
+        lines.extend(UiCommand::all().filter(|command| command.scope() == scope).map(Line::Command));
+    }
+    lines
+}
+
+impl KeySheet {
+    /// Draws it over everything, while it is open.
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        if !cx.options.keys_open {
+            return;
+        }
+        let room = ui.ctx().content_rect().size() - vec2(96.0, 96.0);
+        let columns = ((room.x / (COLUMN + 24.0)) as usize).clamp(1, 4);
+        let modal = Modal::new(Id::unique("key sheet")).show(ui.ctx(), |ui| {
+            ui.set_width(columns as f32 * COLUMN + (columns - 1) as f32 * 24.0 + 12.0);
+            let close = heading(ui);
+            ui.add_space(8.0);
+            ScrollArea::vertical().max_height(room.y - 48.0).show(ui, |ui| sheet(ui, cx.tokens, columns));
+            close
+        });
+        if modal.should_close() || modal.inner {
+            cx.options.keys_open = false;
+        }
+    }
+}
+
+fn heading(ui: &mut Ui) -> bool {
+    ui.horizontal(|ui| {
+        ui.heading("Keys");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            icon_button(ui, Icon::Cross, "Close").clicked()
+        })
+        .inner
+    })
+    .inner
+}
+
+fn sheet(ui: &mut Ui, tokens: &Tokens, columns: usize) {
+    let lines = lines();
+    let length = lines.len().div_ceil(columns);
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 24.0;
+        let mut rest = lines.as_slice();
+        let mut heading = "";
+        for _ in 0..columns {
+            let mut end = length.min(rest.len());
+            // A heading does not stand alone at the foot of a column.
+            if end > 0 && matches!(rest[end - 1], Line::Heading(_)) && end < rest.len() {
+                end -= 1;
+            }
+            let (here, after) = rest.split_at(end);
+            rest = after;
+            ui.allocate_ui_with_layout(vec2(COLUMN, 0.0), Layout::top_down(Align::Min), |ui| {
+                column(ui, tokens, here, &mut heading);
+            });
+        }
+    });
+}
+
+fn column(ui: &mut Ui, tokens: &Tokens, lines: &[Line], heading: &mut &'static str) {
+    ui.set_width(COLUMN);
+    ui.spacing_mut().item_spacing = vec2(4.0, 0.0);
+    if let Some(Line::Command(_)) = lines.first() {
+        ui.label(small(tokens, format!("{heading}, continued")));
+    }
+    for line in lines {
+        match line {
+            Line::Heading(name) => {
+                *heading = name;
+                ui.add_space(4.0);
+                ui.label(RichText::new(*name).strong().color(tokens.accent_text));
+            }
+            Line::Command(command) => row(ui, tokens, *command),
+        }
+    }
+}
+
+fn row(ui: &mut Ui, tokens: &Tokens, command: UiCommand) {
+    ui.allocate_ui_with_layout(vec2(COLUMN, ROW), Layout::left_to_right(Align::Center), |ui| {
+        ui.label(RichText::new(command.text()).size(12.0)).on_hover_text(command.tooltip());
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            for key in command.keys().iter().rev() {
+                key_caps(ui, tokens, key);
+            }
+        });
+    });
+}
