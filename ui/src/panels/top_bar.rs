@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Room between two step chips, with the chevron in it, points.
-const BETWEEN: f32 = 10.0;
+const BETWEEN: f32 = 14.0;
 
 /// The bar at the top.
 #[derive(Debug, Default)]

@@ -1,6 +1,7 @@
 //! A made-up session for tests of the window: 60 frames of 320×240, two arms, a cup that is carried, and
 //! something of everything that a panel has to show. Everything is computed, so it is the same on every run.
 #![allow(dead_code, reason = "every test binary uses its own part of this")]
+#![allow(clippy::unwrap_used, reason = "a sample that cannot be made is a failed test")]
 
 mod findings;
 mod scene;
