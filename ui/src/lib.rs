@@ -1,6 +1,7 @@
 //! The operator's desktop application: panels over a session's history and an engine handle.
 
 pub mod action;
+pub mod inspector;
 pub mod key_sheet;
 pub mod palette;
 pub mod panels;

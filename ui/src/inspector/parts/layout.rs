@@ -1,0 +1,35 @@
+//! Headings, hints, empty states.
+
+use egui::{RichText, Ui};
+
+use crate::{state::Context, theme::Tokens};
+
+/// A part of an inspector under its heading, set off from the part above.
+pub(in crate::inspector) fn section(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    title: &str,
+    add: impl FnOnce(&mut Ui, &mut Context<'_>),
+) {
+    ui.add_space(8.0);
+    let (line, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
+    ui.painter().rect_filled(line, 0.0, cx.tokens.line);
+    ui.add_space(4.0);
+    ui.label(RichText::new(title).strong().color(cx.tokens.text));
+    ui.push_id(title, |ui| add(ui, cx));
+}
+
+/// A small line that explains.
+pub(in crate::inspector) fn hint(ui: &mut Ui, tokens: &Tokens, text: &str) {
+    ui.label(RichText::new(text).size(11.0).color(tokens.muted));
+}
+
+/// What is shown where there is nothing yet: what is missing, and what to do.
+pub(in crate::inspector) fn empty(ui: &mut Ui, tokens: &Tokens, what: &str, then: &str) {
+    ui.add_space(16.0);
+    ui.vertical_centered(|ui| {
+        ui.label(RichText::new(what).color(tokens.text));
+        ui.label(RichText::new(then).size(11.0).color(tokens.muted));
+    });
+    ui.add_space(16.0);
+}

@@ -1,0 +1,15 @@
+//! Small pieces that all inspectors are made of.
+
+mod button;
+mod fact;
+mod layout;
+mod parameter;
+mod texture;
+mod time_plot;
+
+pub(super) use button::{choice_button, go_to_frame, primary_button, small_button, tool_button};
+pub(super) use fact::{Share, bar_of_shares, fact, mark, sign};
+pub(super) use layout::{empty, hint, section};
+pub(super) use parameter::{Edit, Parameter};
+pub(super) use texture::{TextureKey, Textures, picture_of_rgb, picture_of_rgba};
+pub(super) use time_plot::{Trace, TraceStyle, legend, time_plot};
