@@ -76,7 +76,7 @@ pub struct Alignment {
 }
 
 /// Generators of the update: scale, rotation, aspect, shear, shift x, shift y, perspective x, y.
-fn generators() -> [Matrix3<f64>; 8] {
+pub(super) fn generators() -> [Matrix3<f64>; 8] {
     let m = |a: [f64; 9]| Matrix3::from_row_slice(&a);
     [
         m([1., 0., 0., 0., 1., 0., 0., 0., 0.]),

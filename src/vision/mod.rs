@@ -15,6 +15,7 @@ mod guided;
 mod histogram;
 mod homography;
 mod moments;
+mod motion_fit;
 mod plane;
 mod registration;
 mod scale;

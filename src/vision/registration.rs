@@ -4,7 +4,6 @@ use std::sync::OnceLock;
 
 use nalgebra::{Matrix3, Vector3};
 use opencv::{
-    calib3d,
     core::{
         BORDER_CONSTANT, BORDER_REPLICATE, CV_32FC1, CV_32FC3, Mat, MatTrait, MatTraitConst,
         MatTraitConstManual, MatTraitManual, Point2f, Rect, Scalar, Size as CvSize, TermCriteria,
@@ -13,7 +12,7 @@ use opencv::{
     imgproc, video,
 };
 
-use super::{BackgroundMotion, FlowQuality, WorkScale, dense_flow, fill_smoothly};
+use super::{BackgroundMotion, FlowQuality, WorkScale, dense_flow, fill_smoothly, motion_fit::fitted_motion};
 
 /// A picture of the background with holes, at work scale.
 #[derive(Debug)]
@@ -57,21 +56,22 @@ impl View {
         imgproc::good_features_to_track(
             &self.gray,
             &mut found,
-            CORNERS,
-            0.01,
+            4 * CORNERS,
+            0.001,
             spacing,
             &self.valid,
             5,
             false,
             0.04,
         )?;
-        Ok(self.corners.get_or_init(|| found.iter().collect()))
+        let spread = spread_corners(&found, (self.gray.cols(), self.gray.rows()));
+        Ok(self.corners.get_or_init(|| spread))
     }
 
     /// How this view's background moved into `shown` (CV_8UC1, work size): corners that lie inside
-    /// `usable` there, tracked by pyramidal Lucas-Kanade, fitted by seeded RANSAC.
+    /// `usable` there, tracked by pyramidal Lucas-Kanade, by the likeliest motion that they agree on.
     ///
-    /// `None` with fewer than 12 agreeing corners or less than 30 % agreement.
+    /// `None` with fewer than 12 agreeing corners or less than 20 % agreement.
     ///
     /// # Errors
     /// When OpenCV fails.
@@ -113,31 +113,48 @@ impl View {
                 b.push(to.get(i)?);
             }
         }
-        fitted(&a, &b)
+        fitted(&a, &b, (self.gray.cols(), self.gray.rows()))
     }
 }
 
-/// Corners tracked a view.
+/// Share of the corners that must agree: weak ones often stray.
+const AGREEING: f64 = 0.2;
+/// Corners tracked a view, at most.
 const CORNERS: i32 = 350;
+/// Cells along each side of the picture from which corners are taken evenly.
+const CORNER_CELLS: usize = 8;
 
-/// A homography by RANSAC at 1.5 px.
-fn fitted(from: &Vector<Point2f>, to: &Vector<Point2f>) -> opencv::Result<Option<Matrix3<f64>>> {
+/// The strongest corners of every part of the picture, from `found`, strongest first: a plain table must not be
+/// outvoted by the one thing on it that is patterned.
+fn spread_corners(found: &Vector<Point2f>, (cols, rows): (i32, i32)) -> Vec<Point2f> {
+    let cell = |at: f32, length: i32| {
+        (at / length.max(1) as f32 * CORNER_CELLS as f32).clamp(0.0, CORNER_CELLS as f32 - 1.0) as usize
+    };
+    let each = (CORNERS as usize).div_ceil(CORNER_CELLS * CORNER_CELLS);
+    let mut taken = [0; CORNER_CELLS * CORNER_CELLS];
+    let mut kept = Vec::new();
+    for corner in found {
+        let count = &mut taken[cell(corner.y, rows) * CORNER_CELLS + cell(corner.x, cols)];
+        *count += 1;
+        if *count <= each {
+            kept.push(corner);
+        }
+    }
+    kept
+}
+
+/// The likeliest motion, if points agree on it within 1.5 px.
+fn fitted(
+    from: &Vector<Point2f>,
+    to: &Vector<Point2f>,
+    size: (i32, i32),
+) -> opencv::Result<Option<Matrix3<f64>>> {
     if from.len() < 12 {
         return Ok(None);
     }
-    let mut agreeing = Mat::default();
-    opencv::core::set_rng_seed(1)?;
-    let found = calib3d::find_homography(from, to, &mut agreeing, calib3d::RANSAC, 1.5)?;
-    let inliers = opencv::core::count_non_zero(&agreeing)? as usize;
-    if found.empty() || inliers < 12 || (inliers as f64) < 0.3 * from.len() as f64 {
-        return Ok(None);
-    }
-    let mut homography = Matrix3::zeros();
-    for (i, value) in found.data_typed::<f64>()?.iter().enumerate() {
-        homography[(i / 3, i % 3)] = *value;
-    }
-    let sound = homography.iter().all(|v| v.is_finite()) && homography.determinant().abs() > 1e-9;
-    Ok(sound.then_some(homography))
+    let found = fitted_motion(from, to, size, 1.5)?;
+    let agreed = found.filter(|f| f.inliers >= 12 && f.inliers as f64 >= AGREEING * from.len() as f64);
+    Ok(agreed.map(|found| found.homography))
 }
 
 /// Where each pixel of a target view lies in a source view.
