@@ -10,6 +10,7 @@ use super::{
     plate::UNKNOWN,
     scratch::Layer,
     shape::FROM_BELOW,
+    unseen,
     work_frame::WorkFrame,
 };
 use crate::{
@@ -166,6 +167,7 @@ fn next_model(clip: &Clip<'_>, chosen: &[usize], learned: &Learned) -> Result<Co
         let skin = frame.posterior(&learned.skin)?;
         let colour = frame.posterior(&learned.tables.colour)?;
         let mut sleeves = binary::empty(frame.grey.rows(), frame.grey.cols())?;
+        let mut unseen = sleeves.try_clone()?;
         let mut mask = match clip.human_mask(*index) {
             Some(mask) => mask?,
             None => {
@@ -175,12 +177,15 @@ fn next_model(clip: &Clip<'_>, chosen: &[usize], learned: &Learned) -> Result<Co
                     clip.evidence(*index, [&colour, &likely, &skin], change.as_ref(), object.as_ref());
                 let mask = cut_frame(&frame, &evidence, clip.params)?;
                 sleeves = sleeve_to_learn(&evidence, &mask, clip.params)?;
+                if clip.leaves_picture {
+                    unseen = unseen::arms(&evidence, &mask, &unseen::moving(clip, *index)?)?;
+                }
                 mask
             }
         };
         let mut model = ColourModel::default();
         if let Some(change) = change.as_ref().filter(|_| whole) {
-            model.learn_change(change, &mask)?;
+            model.learn_change(change, &binary::map2(&mask, &unseen, |a, b| a | b)?)?;
         }
         if !clip.human.contains_key(&crate::clip::FrameIndex(*index as u32)) {
             if let Some(object) = learned.object(&frame)? {
@@ -200,6 +205,7 @@ fn next_model(clip: &Clip<'_>, chosen: &[usize], learned: &Learned) -> Result<Co
             }
         }
         mask = binary::map2(&mask, &sleeves, |a, b| a | b)?;
+        mask = binary::map2(&mask, &unseen, |a, b| a | b)?;
         learn_from_mask(clip, (*index, whole), &mut model, &frame, &mask, change.as_ref())?;
         Ok(model)
     };

@@ -15,6 +15,7 @@ mod sleeve;
 mod stray;
 mod sweep;
 mod texture;
+mod unseen;
 mod work_frame;
 
 use std::{collections::BTreeMap, path::Path};
@@ -290,16 +291,18 @@ impl<'a> Clip<'a> {
         if let Some(mask) = self.human_mask(index) {
             return Ok(Some(encode(&mask?)?));
         }
+        let (object, skin) = (learned.object(&frame)?, frame.posterior(&learned.skin)?);
+        let evidence = self.evidence(index, [&colour, &likely, &skin], change.as_ref(), object.as_ref());
         let mut mask = if self.hands[index].is_empty() {
             binary::empty(frame.grey.rows(), frame.grey.cols())?
         } else {
-            let (object, skin) = (learned.object(&frame)?, frame.posterior(&learned.skin)?);
-            let evidence = self.evidence(index, [&colour, &likely, &skin], change.as_ref(), object.as_ref());
             cut::cut_frame(&frame, &evidence, self.params)?
         };
         if self.leaves_picture {
             let strays = stray::at_border(&likely, self.palm_width)?;
             mask = binary::map2(&mask, &strays, |a, b| a | b)?;
+            let unseen = unseen::arms(&evidence, &mask, &unseen::moving(self, index)?)?;
+            mask = binary::map2(&mask, &unseen, |a, b| a | b)?;
         }
         Ok(if binary::area(&mask)? == 0 { None } else { Some(encode(&mask)?) })
     }

@@ -89,6 +89,15 @@ impl Plate {
         Ok(Self { placed, keyframes })
     }
 
+    /// The background's motion from one frame to another of the same unbroken run.
+    pub fn between(&self, from: usize, to: usize) -> Option<Matrix3<f64>> {
+        let ((run, from), (other_run, to)) = (self.placed.get(from)?, self.placed.get(to)?);
+        if run != other_run {
+            return None;
+        }
+        Some(to.try_inverse()? * from)
+    }
+
     /// Decides anew where arms are in the key frames.
     pub fn hide_again(&mut self, clip: &Clip<'_>, table: &[u8]) -> Result<(), SegmentError> {
         self.keyframes.par_iter_mut().try_for_each(|key| {

@@ -12,7 +12,7 @@ use super::work_frame::WorkFrame;
 use crate::{geometry::Size, segment::SegmentError, vision::Flow};
 
 /// Flow vectors are kept for every fourth pixel: the estimator's own finest grid.
-const FLOW_STRIDE: u32 = 4;
+pub(super) const FLOW_STRIDE: u32 = 4;
 /// Steps a pixel of a kept flow vector.
 const FLOW_STEPS: f32 = 16.0;
 
@@ -136,18 +136,22 @@ impl Scratch {
         self.write(index, self.flow_start(towards), &bytes)
     }
 
-    /// Draws `picture` of the neighbour on the grid of frame `index`, along the kept flow.
-    pub fn pulled(&self, index: usize, towards: Towards, picture: &Mat) -> Result<Mat, SegmentError> {
+    /// The kept flow, one vector for every [`FLOW_STRIDE`]th pixel in rows of the length that comes with it.
+    pub fn flow(&self, index: usize, towards: Towards) -> Result<(Vec<[f32; 2]>, usize), SegmentError> {
         let (cols, rows) = self.flow_size();
         let mut bytes = vec![0; 4 * cols * rows];
         self.read(index, self.flow_start(towards), &mut bytes)?;
-        let vectors: Vec<f32> = bytes
-            .as_chunks::<2>()
-            .0
-            .iter()
-            .map(|pair| f32::from(i16::from_le_bytes(*pair)) / FLOW_STEPS)
-            .collect();
-        let coarse = Mat::new_rows_cols_with_data(rows as i32, 2 * cols as i32, &vectors)?;
+        let component = |pair: [u8; 2]| f32::from(i16::from_le_bytes(pair)) / FLOW_STEPS;
+        let vectors = bytes.as_chunks::<4>().0.iter();
+        Ok((vectors.map(|[a, b, c, d]| [component([*a, *b]), component([*c, *d])]).collect(), cols))
+    }
+
+    /// Draws `picture` of the neighbour on the grid of frame `index`, along the kept flow.
+    pub fn pulled(&self, index: usize, towards: Towards, picture: &Mat) -> Result<Mat, SegmentError> {
+        let (cols, rows) = self.flow_size();
+        let (vectors, _) = self.flow(index, towards)?;
+        let vectors = vectors.as_flattened();
+        let coarse = Mat::new_rows_cols_with_data(rows as i32, 2 * cols as i32, vectors)?;
         let coarse = coarse.reshape(2, rows as i32)?;
         let padded =
             opencv::core::Size::new((cols as u32 * FLOW_STRIDE) as i32, (rows as u32 * FLOW_STRIDE) as i32);
