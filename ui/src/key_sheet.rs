@@ -1,12 +1,13 @@
 //! The key sheet: every command with its keys, grouped by where they hold.
 
-use egui::{Align, Id, Layout, Modal, RichText, ScrollArea, Ui, vec2};
+use agenticfocus::session::Step;
+use egui::{Align, CornerRadius, Frame, Id, Layout, Margin, Modal, RichText, ScrollArea, Ui, vec2};
 
 use crate::{
     state::Context,
     theme::Tokens,
     ui_command::{Scope, UiCommand},
-    widgets::{Icon, icon_button, key_caps, small},
+    widgets::{Icon, icon_button, key_caps, small, step_name},
 };
 
 /// Height of a row, points.
@@ -36,9 +37,12 @@ enum Line {
     Command(UiCommand),
 }
 
-fn lines() -> Vec<Line> {
+/// The step on screen comes first, then what holds everywhere, then the other steps.
+fn lines(step: Step) -> Vec<Line> {
+    let mut scopes = SCOPES.to_vec();
+    scopes.sort_by_key(|(scope, name)| (*name != step_name(step), *scope != Scope::Global));
     let mut lines = Vec::new();
-    for (scope, name) in SCOPES {
+    for (scope, name) in scopes {
         lines.push(Line::Heading(name));
         lines.extend(UiCommand::all().filter(|command| command.scope() == scope).map(Line::Command));
     }
@@ -53,11 +57,16 @@ impl KeySheet {
         }
         let room = ui.ctx().content_rect().size() - vec2(96.0, 96.0);
         let columns = ((room.x / (COLUMN + 24.0)) as usize).clamp(1, 4);
-        let modal = Modal::new(Id::unique("key sheet")).show(ui.ctx(), |ui| {
+        let frame = Frame::popup(ui.style())
+            .inner_margin(Margin::same(16))
+            .corner_radius(CornerRadius::same(2 * Tokens::RADIUS));
+        let modal = Modal::new(Id::unique("key sheet")).frame(frame).show(ui.ctx(), |ui| {
             ui.set_width(columns as f32 * COLUMN + (columns - 1) as f32 * 24.0 + 12.0);
             let close = heading(ui);
             ui.add_space(8.0);
-            ScrollArea::vertical().max_height(room.y - 48.0).show(ui, |ui| sheet(ui, cx.tokens, columns));
+            let height = room.y - 48.0;
+            let scroll = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+            scroll.show(ui, |ui| sheet(ui, cx.tokens, columns, cx.options.step));
             close
         });
         if modal.should_close() || modal.inner {
@@ -77,8 +86,8 @@ fn heading(ui: &mut Ui) -> bool {
     .inner
 }
 
-fn sheet(ui: &mut Ui, tokens: &Tokens, columns: usize) {
-    let lines = lines();
+fn sheet(ui: &mut Ui, tokens: &Tokens, columns: usize, step: Step) {
+    let lines = lines(step);
     let length = lines.len().div_ceil(columns);
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = 24.0;
@@ -105,11 +114,11 @@ fn column(ui: &mut Ui, tokens: &Tokens, lines: &[Line], heading: &mut &'static s
     if let Some(Line::Command(_)) = lines.first() {
         ui.label(small(tokens, format!("{heading}, continued")));
     }
-    for line in lines {
+    for (at, line) in lines.iter().enumerate() {
         match line {
             Line::Heading(name) => {
                 *heading = name;
-                ui.add_space(4.0);
+                ui.add_space(if at == 0 { 0.0 } else { 8.0 });
                 ui.label(RichText::new(*name).strong().color(tokens.accent_text));
             }
             Line::Command(command) => row(ui, tokens, *command),

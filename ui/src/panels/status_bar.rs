@@ -14,7 +14,7 @@ use egui::{
 use crate::{
     action::Action,
     state::{Context, Work, Workspace},
-    theme::{Tokens, number_font},
+    theme::Tokens,
     ui_command::UiCommand,
     widgets::{Icon, IconButton, command_icon_button, key_caps, key_text, small, tooltip_with_key},
 };
@@ -255,7 +255,7 @@ fn progress(ui: &mut Ui, tokens: &Tokens, words: &str, share: f64, left: Option<
         ui.label(small(tokens, format!("{words} left")));
     }
     let per_cent = format!("{:.0} %", (100.0 * share).floor());
-    ui.label(RichText::new(per_cent).font(number_font()).color(tokens.text));
+    ui.label(RichText::new(per_cent).small().color(tokens.text));
     let (rect, response) = ui.allocate_exact_size(vec2(96.0, 6.0), Sense::hover());
     response.widget_info(|| {
         let mut info = WidgetInfo::labeled(Role::ProgressIndicator, true, words);

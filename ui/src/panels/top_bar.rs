@@ -10,9 +10,7 @@ use crate::{
     state::{Context, StepState},
     theme::{ThemeChoice, Tokens},
     ui_command::UiCommand,
-    widgets::{
-        Chip, Icon, command_icon_button, command_menu_button, small, step_glyph, step_name, step_words,
-    },
+    widgets::{Chip, Icon, command_icon_button, command_menu_button, step_glyph, step_name, step_words},
 };
 
 /// Room between two step chips, with the chevron in it, points.
@@ -90,7 +88,8 @@ fn steps(ui: &mut Ui, cx: &mut Context<'_>, chips: Vec<StepChip>) {
     for (at, chip) in chips.iter().enumerate() {
         if at > 0 {
             let (rect, _) = ui.allocate_exact_size(vec2(BETWEEN, Tokens::ROW), Sense::hover());
-            Icon::Right.paint_at(ui.painter(), rect.center(), 9.0, cx.tokens.muted);
+            let colour = cx.tokens.muted.gamma_multiply(if open { 1.0 } else { 0.45 });
+            Icon::Right.paint_at(ui.painter(), rect.center(), 9.0, colour);
         }
         let chosen = open && cx.options.step == chip.step;
         let response = ui.add_enabled(open, chip.chip(cx.tokens).chosen(chosen));
@@ -165,8 +164,9 @@ fn menu(ui: &mut Ui, cx: &mut Context<'_>) {
 
 fn theme(ui: &mut Ui, cx: &mut Context<'_>) {
     ui.horizontal(|ui| {
+        ui.add_space(2.0);
+        ui.label(RichText::new("Theme"));
         ui.add_space(8.0);
-        ui.label(small(cx.tokens, "Theme"));
         for (choice, text) in
             [(ThemeChoice::System, "System"), (ThemeChoice::Dark, "Dark"), (ThemeChoice::Light, "Light")]
         {

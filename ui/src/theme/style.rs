@@ -60,7 +60,7 @@ fn spacing() -> Spacing {
         item_spacing: Vec2::splat(Tokens::STEP),
         window_margin: Margin::same(12),
         button_padding: vec2(8.0, 2.0),
-        menu_margin: Margin::same(4),
+        menu_margin: Margin::same(8),
         indent: 16.0,
         interact_size: vec2(32.0, Tokens::ROW),
         slider_width: 120.0,

@@ -1,6 +1,6 @@
 //! What the engine "found out" about the made-up clip.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use agenticfocus::{
     clip::{CameraSpec, ClipFlag, ClipInfo, FrameIndex, FrameRow, Rotation},
@@ -164,8 +164,14 @@ fn order(at: u32) -> LayerDecision {
     }
 }
 
+static FINDINGS: LazyLock<Findings> = LazyLock::new(find);
+
 /// Everything there is to find out.
 pub fn sample_findings() -> Findings {
+    FINDINGS.clone()
+}
+
+fn find() -> Findings {
     let object = MaskTrack { size: SIZE, frames: each(object_frame), backend: "classical".to_owned() };
     let union = MaskTrack { size: SIZE, frames: each(arms_frame), backend: "classical".to_owned() };
     let sides = PerSide::from_fn(|side| each(|at| scene::side_mask(side, at)));

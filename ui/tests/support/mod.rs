@@ -179,7 +179,7 @@ pub fn sample_pictures() -> Pictures {
         let source = scene::source(at);
         let small = scene::shrunk(&source, 36);
         put(at, PictureKind::Thumbnail { height: 36 }, Revision(0), Shown::Picture(Arc::new(small)));
-        put(at, PictureKind::Source, Revision(0), Shown::Picture(Arc::new(source)));
+        put(at, PictureKind::Source, Revision(0), Shown::Picture(source));
     }
     put(22, PictureKind::Composite, Revision(1), Shown::Layers(Arc::new(sample_layers(22))));
     let size = Size::new(296, 200);

@@ -1,5 +1,7 @@
 //! What the made-up clip shows: a table, a cup that is carried to the right, two arms.
 
+use std::sync::{Arc, LazyLock};
+
 use agenticfocus::{
     geometry::{Pinhole, Pixel, PixelBox, Side, Size},
     image::{Mask, Rgb8, Rgba8},
@@ -98,6 +100,9 @@ fn arm_of(side: usize, frame: u32) -> impl Fn(u32, u32) -> bool {
     let elbow = if side == 0 { Pixel::new(20.0, 250.0) } else { Pixel::new(points[0].x + 60.0, 260.0) };
     move |x, y| {
         let p = Pixel::new(f64::from(x), f64::from(y));
+        if p.distance(points[0]) > 70.0 && p.y < points[0].y {
+            return false;
+        }
         let forearm = distance_to_segment(p, points[0], elbow) < 15.0;
         let palm = distance_to_segment(p, points[0], points[9]) < 13.0;
         let fingers = || {
@@ -107,8 +112,13 @@ fn arm_of(side: usize, frame: u32) -> impl Fn(u32, u32) -> bool {
     }
 }
 
-fn arms_pixels(side: usize, frame: u32) -> Mask {
-    Mask::from_fn(SIZE, arm_of(side, frame))
+/// Drawn once for all tests of a binary: finger by finger and pixel by pixel takes its time.
+static ARMS: LazyLock<[Vec<Mask>; 2]> = LazyLock::new(|| {
+    [0, 1].map(|side| (0..FRAMES).map(|at| Mask::from_fn(SIZE, arm_of(side, at))).collect())
+});
+
+fn arms_pixels(side: usize, frame: u32) -> &'static Mask {
+    &ARMS[side][frame as usize]
 }
 
 /// The visible part of the cup.
@@ -118,17 +128,17 @@ pub fn object_mask(frame: u32) -> RleMask {
 
 fn object_pixels(frame: u32) -> Mask {
     let whole = Mask::from_fn(SIZE, |x, y| in_cup(frame, f64::from(x), f64::from(y)));
-    whole.minus(&arms_pixels(1, frame)).minus(&arms_pixels(0, frame))
+    whole.minus(arms_pixels(1, frame)).minus(arms_pixels(0, frame))
 }
 
 /// Both arms.
 pub fn arms_mask(frame: u32) -> RleMask {
-    RleMask::encode(&arms_pixels(0, frame).union(&arms_pixels(1, frame)))
+    RleMask::encode(&arms_pixels(0, frame).union(arms_pixels(1, frame)))
 }
 
 /// One arm.
 pub fn side_mask(side: Side, frame: u32) -> RleMask {
-    RleMask::encode(&arms_pixels(side.index(), frame))
+    RleMask::encode(arms_pixels(side.index(), frame))
 }
 
 /// The table without anybody.
@@ -175,14 +185,21 @@ fn cup_colour(frame: u32) -> impl Fn(u32, u32) -> [u8; 3] {
     }
 }
 
+static SOURCES: LazyLock<Vec<Arc<Rgb8>>> =
+    LazyLock::new(|| (0..FRAMES).map(|at| Arc::new(filmed(at))).collect());
+
 /// Frame as filmed.
-pub fn source(frame: u32) -> Rgb8 {
+pub fn source(frame: u32) -> Arc<Rgb8> {
+    Arc::clone(&SOURCES[frame as usize])
+}
+
+fn filmed(frame: u32) -> Rgb8 {
     let mut picture = background();
     let cup = Mask::from_fn(SIZE, |x, y| in_cup(frame, f64::from(x), f64::from(y)));
     fill(SIZE, &cup, cup_colour(frame)).draw_over(&mut picture);
     for side in 0..2 {
         let skin =
-            fill(SIZE, &arms_pixels(side, frame), |x, y| [206 - (x % 9) as u8, 160 - (y % 7) as u8, 132]);
+            fill(SIZE, arms_pixels(side, frame), |x, y| [206 - (x % 9) as u8, 160 - (y % 7) as u8, 132]);
         skin.draw_over(&mut picture);
     }
     picture
@@ -190,7 +207,7 @@ pub fn source(frame: u32) -> Rgb8 {
 
 /// Robot, object and the robot's near parts.
 pub fn layers(frame: u32) -> (Rgba8, Rgba8, Rgba8) {
-    let arms = arms_pixels(0, frame).union(&arms_pixels(1, frame));
+    let arms = arms_pixels(0, frame).union(arms_pixels(1, frame));
     let metal = |x: u32, y: u32| [196 - (x % 16) as u8, 200 - (y % 16) as u8, 206];
     let robot = fill(SIZE, &arms, metal);
     let cup = Mask::from_fn(SIZE, |x, y| in_cup(frame, f64::from(x), f64::from(y)));

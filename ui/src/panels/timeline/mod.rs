@@ -53,9 +53,14 @@ impl Timeline {
         command == UiCommand::GoToFrame
     }
 
-    /// Frames that want a look, from the rows last drawn.
+    /// The rows of the open session.
     pub fn rows(&mut self, workspace: &Workspace) -> &Rows {
         self.rows.rows(workspace)
+    }
+
+    /// How often all frames were looked at since the start: once per change, however often it is drawn.
+    pub fn times_computed(&self) -> u64 {
+        self.rows.times_made()
     }
 
     /// Draws it.

@@ -30,6 +30,9 @@ pub(super) fn bar(painter: &Painter, rect: Rect, colour: Color32) {
 
 /// A bar that is striped rather than full: known at second hand.
 pub(super) fn striped_bar(painter: &Painter, rect: Rect, colour: Color32) {
+    if rect.width() < 4.0 {
+        return bar(painter, rect, colour.gamma_multiply(0.5));
+    }
     painter.rect_filled(rect, CornerRadius::same(1), colour.gamma_multiply(0.25));
     let painter = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let step = 4.0;

@@ -248,11 +248,13 @@ fn quality(painter: &Painter, tokens: &Tokens, rows: &Rows, scale: &Scale, place
     dashes(painter, place.x_range(), y(DOUBT), Stroke::new(1.0, tokens.line));
     let curve = columns(scale, &rows.quality, f32::min);
     for part in curve.split(|(_, value)| value.is_nan()).filter(|part| !part.is_empty()) {
+        let half = (0.5 * scale.frame_width()).max(0.5);
+        for (x, value) in part.iter().filter(|(_, value)| *value < DOUBT) {
+            let column = Rect::from_min_max(pos2(x - half, y(DOUBT)), pos2(x + half, y(*value)));
+            bar(painter, column.intersect(place), tokens.hole);
+        }
         let points = part.iter().map(|(x, value)| pos2(*x, y(*value))).collect();
         painter.add(Shape::line(points, PathStroke::new(1.25, tokens.muted)));
-        for (x, value) in part.iter().filter(|(_, value)| *value < DOUBT) {
-            painter.vline(*x, Rangef::new(y(*value), y(DOUBT)), Stroke::new(1.5, tokens.hole));
-        }
     }
 }
 
@@ -275,6 +277,7 @@ pub(super) fn paint_marks(
             dashed_edge(painter, edge, rect, tokens.accent);
         }
     }
+    overview(painter, tokens, scale, places);
     let x = scale.middle(workspace.playhead.0);
     if !scale.x.contains(x) {
         return;
@@ -295,6 +298,20 @@ pub(super) fn paint_marks(
         pos2(x - 5.0, top + 6.0),
     ];
     painter.add(Shape::convex_polygon(handle, tokens.accent, Stroke::NONE));
+}
+
+/// Which part of the clip is in sight, while not all of it is.
+fn overview(painter: &Painter, tokens: &Tokens, scale: &Scale, places: &Places) {
+    let count = f64::from(scale.count.max(1));
+    if scale.shown.1 - scale.shown.0 >= count {
+        return;
+    }
+    let y = Rangef::new(places.quality.bottom() + 4.0, places.quality.bottom() + 7.0);
+    let at = |frame: f64| scale.x.min + (frame / count) as f32 * scale.x.span();
+    painter.rect_filled(Rect::from_x_y_ranges(scale.x, y), CornerRadius::same(1), tokens.line);
+    let (left, right) = (at(scale.shown.0), at(scale.shown.1));
+    let part = Rect::from_x_y_ranges(Rangef::new(left, right.max(left + 8.0)), y);
+    painter.rect_filled(part, CornerRadius::same(1), tokens.muted);
 }
 
 fn dashed_edge(painter: &Painter, x: f32, rect: Rect, colour: Color32) {

@@ -40,10 +40,10 @@ impl Transport {
             cx.workspace.map_or((FrameIndex(0), FrameIndex(0)), |w| (w.playhead, w.last_frame()));
         let known = cx.workspace.is_some_and(|workspace| workspace.frame_count() > 0);
         ui.spacing_mut().item_spacing.x = 4.0;
-        let label = ui.label(small(cx.tokens, "frame"));
+        ui.label(small(cx.tokens, "frame"));
         let shown = if known { playhead.0.to_string() } else { String::new() };
         let field = typed(ui, known, &mut self.frame_text, &shown, 48.0, "Frame");
-        let field = field.labelled_by(label.id).on_hover_text("Type a frame and press Enter (G)");
+        let field = field.on_hover_text("Type a frame and press Enter (G)");
         if std::mem::take(&mut self.wants_focus) && known {
             field.request_focus();
         }

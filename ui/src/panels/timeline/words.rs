@@ -5,7 +5,7 @@ use agenticfocus::{
     geometry::Side,
     hands::HandState,
     segment::{MaskAuthor, MaskFlag},
-    session::{MaskEdit, MaskLayer},
+    session::{LayerOrder, MaskEdit, MaskLayer},
 };
 use egui::{RichText, Ui};
 
@@ -28,7 +28,7 @@ pub fn mask_words(workspace: &Workspace, layer: MaskLayer, frame: FrameIndex) ->
     if let Some(edit) = workspace.document().masks(layer).get(&frame) {
         return match edit {
             MaskEdit::Mask(_) => "drawn by a person".to_owned(),
-            MaskEdit::Absent => "absent, said a person".to_owned(),
+            MaskEdit::Absent => "marked absent by a person".to_owned(),
         };
     }
     let Some((author, score, flags)) = workspace.mask_summary(layer, frame) else {
@@ -53,7 +53,7 @@ pub fn hand_words(workspace: &Workspace, side: Side, frame: FrameIndex) -> Strin
     let corrected = workspace.document().hand_edits[side].get(&frame);
     let hand = workspace.found.hands.as_ref().and_then(|track| track.hands[side].get(frame.as_usize()));
     let state = match (corrected, hand) {
-        (Some(edit), _) if edit.invalid => return "invalid, said a person".to_owned(),
+        (Some(edit), _) if edit.invalid => return "marked invalid by a person".to_owned(),
         (Some(_), _) => return "corrected by a person".to_owned(),
         (None, None) => return "not estimated yet".to_owned(),
         (None, Some(hand)) => hand,
@@ -70,7 +70,22 @@ pub fn order_words(workspace: &Workspace, frame: FrameIndex) -> Option<String> {
     let motion = workspace.found.motion.as_ref()?;
     let at = frame.as_usize();
     let contact = motion.sides.left.get(at)?.contact.max(motion.sides.right.get(at)?.contact);
-    Some(format!("{:.0} %", (100.0 * contact).round()))
+    let mut words = format!("contact {:.0} %", (100.0 * contact).round());
+    let said = workspace
+        .document()
+        .layer_orders
+        .iter()
+        .rev()
+        .find(|range| (range.first..=range.last).contains(&frame));
+    let found = workspace.found.order.as_ref().and_then(|order| order.get(at));
+    words.push_str(match (said.map(|range| range.order), found) {
+        (Some(LayerOrder::RobotInFront), _) => ", robot in front, set by a person",
+        (Some(LayerOrder::ObjectInFront), _) => ", object in front, set by a person",
+        (_, Some(found)) if found.in_front.left.min(found.in_front.right) < 0.5 => ", object in front",
+        (_, Some(_)) => ", robot in front",
+        (_, None) => "",
+    });
+    Some(words)
 }
 
 /// Everything known of `frame`, as a tooltip.
@@ -84,7 +99,7 @@ pub(super) fn show(ui: &mut Ui, tokens: &Tokens, workspace: &Workspace, frame: F
         ("Right hand", hand_words(workspace, Side::Right, frame)),
     ];
     if let Some(contact) = order_words(workspace, frame) {
-        lines.push(("Contact", contact));
+        lines.push(("Order", contact));
     }
     egui::Grid::new("frame in words").num_columns(2).spacing([12.0, 2.0]).min_row_height(16.0).show(
         ui,
