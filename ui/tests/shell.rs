@@ -43,7 +43,7 @@ const NARROW: [f32; 2] = [1024.0, 700.0];
 /// The window with the sample changed by `change`.
 fn with(tokens: Tokens, change: impl FnOnce(&mut Bench, &mut Workspace)) -> Bench {
     let mut bench = Bench::new(tokens);
-    let mut workspace = bench.workspace.take().unwrap();
+    let mut workspace = support::sample_workspace();
     change(&mut bench, &mut workspace);
     Bench { workspace: Some(workspace), ..bench }
 }
@@ -314,7 +314,8 @@ fn every_frame_is_drawn_as_what_it_is() {
     let rows = Rows::new(&workspace);
     for frame in FrameIndex::all(workspace.frame_count()) {
         let human = rows.object.human.iter().any(|(at, _)| *at == frame.0);
-        let in_runs: Vec<_> = rows.object.runs.iter().filter(|r| (r.first..=r.last).contains(&frame.0)).collect();
+        let in_runs: Vec<_> =
+            rows.object.runs.iter().filter(|r| (r.first..=r.last).contains(&frame.0)).collect();
         assert_eq!(human, workspace.document().object_masks.contains_key(&frame), "{frame}");
         assert!(in_runs.len() + usize::from(human) <= 1, "{frame} is drawn twice");
         let doubtful = in_runs.iter().any(|run| run.kind != MaskKind::Machine);
