@@ -59,6 +59,15 @@ impl Mask {
         self.data[y as usize * self.size.width as usize + x as usize] = if inside { 255 } else { 0 };
     }
 
+    /// Puts the columns `columns` of row `y` inside or outside; what lies beyond the border is left out.
+    pub fn set_span(&mut self, y: u32, columns: std::ops::Range<u32>, inside: bool) {
+        let (first, after) = (columns.start.min(self.size.width), columns.end.min(self.size.width));
+        if y < self.size.height && first < after {
+            let row = y as usize * self.size.width as usize;
+            self.data[row + first as usize..row + after as usize].fill(if inside { 255 } else { 0 });
+        }
+    }
+
     /// Pixels inside.
     pub fn area(&self) -> usize {
         self.data.iter().filter(|value| **value != 0).count()

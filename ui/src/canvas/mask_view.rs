@@ -1,0 +1,197 @@
+//! One mask layer on screen: a texture for its fill and lines for its border, both kept until the mask changes.
+
+use std::sync::Arc;
+
+use agenticfocus::{clip::FrameIndex, geometry::Size, image::Mask, segment::RleMask};
+use egui::{Color32, ColorImage, Context, Painter, Pos2, Rect, pos2};
+
+use super::{
+    shapes::{LineStyle, outlines},
+    texture::Texture,
+    view::Projection,
+};
+use crate::paint::{Area, Outline, outline};
+
+/// Which colour a mask's pixels have.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Colouring {
+    /// The same everywhere.
+    One(Color32),
+    /// Left arm and right arm, told apart by the machine's split.
+    Sides { left: Color32, right: Color32, split: Arc<SideSplit> },
+}
+
+/// Which pixels belong to the left and which to the right arm.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SideSplit {
+    left: Mask,
+    right: Mask,
+    /// Middles of both, where they have any pixels.
+    middles: [Option<[f64; 2]>; 2],
+}
+
+impl SideSplit {
+    pub fn new(left: &RleMask, right: &RleMask) -> Self {
+        let (left, right) = (left.decode(), right.decode());
+        let middle = |mask: &Mask| Area::of(mask).map(|a| [a.x0 + a.x1, a.y0 + a.y1].map(|v| f64::from(v) / 2.0));
+        let middles = [middle(&left), middle(&right)];
+        Self { left, right, middles }
+    }
+
+    /// Pixels that neither side claims belong to the nearer one.
+    fn is_right(&self, x: u32, y: u32) -> bool {
+        if self.left.get(x, y) || self.right.get(x, y) {
+            return self.right.get(x, y);
+        }
+        let distance = |to: [f64; 2]| (to[0] - f64::from(x)).hypot(to[1] - f64::from(y));
+        match self.middles {
+            [Some(left), Some(right)] => distance(right) < distance(left),
+            [None, None] => 2 * x > self.left.size().width,
+            [left, _] => left.is_none(),
+        }
+    }
+}
+
+impl Colouring {
+    fn at(&self, x: u32, y: u32) -> Color32 {
+        match self {
+            Self::One(colour) => *colour,
+            Self::Sides { left, right, split } => {
+                if split.is_right(x, y) {
+                    *right
+                } else {
+                    *left
+                }
+            }
+        }
+    }
+}
+
+/// How a layer is drawn this time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    /// Opacity of the fill, 0 to 1.
+    pub fill: f32,
+    /// Width of the border, points.
+    pub line: f32,
+    /// Dashed: not to be trusted.
+    pub dashed: bool,
+}
+
+/// A mask layer.
+#[derive(Debug)]
+pub(super) struct MaskView {
+    name: &'static str,
+    shown: Option<(FrameIndex, Arc<RleMask>)>,
+    colouring: Colouring,
+    pixels: Mask,
+    texture: Texture,
+    /// Where the texture is not clear.
+    filled: Option<Area>,
+    lines: Vec<Outline>,
+    /// The operator works on it: what the session says comes later.
+    held: bool,
+}
+
+impl MaskView {
+    pub fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            shown: None,
+            colouring: Colouring::One(Color32::TRANSPARENT),
+            pixels: Mask::new(Size::new(0, 0)),
+            texture: Texture::default(),
+            filled: None,
+            lines: Vec::new(),
+            held: false,
+        }
+    }
+
+    /// Shows `mask`, unless it is shown already or the operator works on the layer.
+    pub fn sync(&mut self, context: &Context, frame: FrameIndex, mask: &Arc<RleMask>, colouring: Colouring) {
+        if self.held {
+            return;
+        }
+        let same = self.shown.as_ref().is_some_and(|(at, shown)| *at == frame && shown == mask);
+        if same && self.colouring == colouring {
+            return;
+        }
+        self.pixels = mask.decode();
+        self.colouring = colouring;
+        self.shown = Some((frame, Arc::clone(mask)));
+        let area = Area::joined(self.filled, Area::of(&self.pixels));
+        self.refresh(context, area);
+    }
+
+    /// The mask on screen.
+    pub fn pixels(&self) -> &Mask {
+        &self.pixels
+    }
+
+    /// Starts work of the operator's on the mask.
+    pub fn hold(&mut self) {
+        self.held = true;
+    }
+
+    /// Changes the mask on screen; `change` tells which rectangle it touched, and only that is worked on.
+    pub fn change(&mut self, context: &Context, change: impl FnOnce(&mut Mask) -> Option<Area>) {
+        if let Some(area) = change(&mut self.pixels) {
+            self.refresh(context, Some(area));
+        }
+    }
+
+    /// Changes the mask without showing it.
+    pub fn change_unseen(&mut self, change: impl FnOnce(&mut Mask) -> Option<Area>) {
+        if let Some(area) = change(&mut self.pixels) {
+            self.filled = Area::joined(self.filled, Some(area));
+        }
+    }
+
+    /// Ends work of the operator's: from now on the session's mask is shown again.
+    pub fn release(&mut self) {
+        self.held = false;
+        self.shown = None;
+    }
+
+    fn refresh(&mut self, context: &Context, area: Option<Area>) {
+        let size = self.pixels.size();
+        let extent = [size.width as usize, size.height as usize];
+        if !self.texture.fits(extent) {
+            self.texture.write(context, self.name, ColorImage::filled(extent, Color32::TRANSPARENT), true);
+            self.upload(Area::of(&self.pixels));
+        } else {
+            self.upload(area);
+        }
+        self.filled = Area::of(&self.pixels);
+        self.lines = outline(&self.pixels);
+    }
+
+    fn upload(&mut self, area: Option<Area>) {
+        let Some(area) = area else { return };
+        let mut colours = Vec::with_capacity(area.width() * area.height());
+        for y in area.y0..area.y1 {
+            colours.extend((area.x0..area.x1).map(|x| {
+                if self.pixels.get(x, y) { self.colouring.at(x, y) } else { Color32::TRANSPARENT }
+            }));
+        }
+        let image = ColorImage::new([area.width(), area.height()], colours);
+        self.texture.write_part([area.x0 as usize, area.y0 as usize], image);
+    }
+
+    /// Draws the layer.
+    pub fn draw(&self, painter: &Painter, projection: &Projection, look: Look) {
+        if let Some(id) = self.texture.id()
+            && look.fill > 0.0
+            && self.filled.is_some()
+        {
+            let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+            let tint = Color32::WHITE.gamma_multiply(look.fill.clamp(0.0, 1.0));
+            painter.image(id, projection.picture_rect(), whole, tint);
+        }
+        let styled = self.lines.iter().map(|line| {
+            let colour = self.colouring.at(line.inside[0], line.inside[1]);
+            (line, LineStyle { width: look.line, colour, dashed: look.dashed })
+        });
+        outlines(painter, projection, styled);
+    }
+}

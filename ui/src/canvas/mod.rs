@@ -1,0 +1,239 @@
+//! The canvas: the picture, what lies over it, and what the pointer does with it.
+
+mod cards;
+mod chrome;
+mod input;
+mod mask_view;
+mod onion;
+mod perform;
+mod scene;
+mod shapes;
+mod source_view;
+mod texture;
+mod tools;
+mod view;
+
+use std::{path::PathBuf, sync::Arc};
+
+use agenticfocus::{
+    engine::Layers,
+    session::{MaskLayer, Step},
+};
+use egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, WidgetInfo, accesskit::Role, vec2};
+
+use self::{
+    input::{PointerEvent, pointer_events},
+    mask_view::Look,
+    scene::Scene,
+    source_view::{Patience, SourceView},
+    tools::{
+        composite::CompositeView, hands::HandTools, masks::MaskTools, object::ObjectTools, template::TemplateTools,
+        wrists,
+    },
+};
+use crate::state::{BeforeAfter, Context, Workspace};
+
+pub use view::{Projection, View};
+
+/// Screen pixels a picture pixel from which pixels are shown as squares.
+const SQUARE_PIXELS: f32 = 4.0;
+/// Height of the strips above and below the picture, points.
+const STRIP: f32 = 32.0;
+/// Space around a picture that is fitted in, points.
+const MARGIN: f32 = 8.0;
+
+/// The canvas.
+#[derive(Debug, Default)]
+pub struct Canvas {
+    view: View,
+    source: SourceView,
+    composite: CompositeView,
+    composite_patience: Patience,
+    masks: MaskTools,
+    object: ObjectTools,
+    template: TemplateTools,
+    hands: HandTools,
+    /// Whether the object's and the arms' masks are shown where they are not edited.
+    eyes: Eyes,
+    /// The button that moves the picture, and where the pointer was last.
+    panning: Option<(PointerButton, Pos2)>,
+    took_space: bool,
+    /// Where pictures were drawn last, and how.
+    last: Option<(Rect, Projection)>,
+    /// The session that was shown last.
+    session: Option<PathBuf>,
+}
+
+/// Which masks are shown beside the edited one.
+#[derive(Clone, Copy, Debug)]
+struct Eyes {
+    object: bool,
+    arms: bool,
+}
+
+impl Default for Eyes {
+    fn default() -> Self {
+        Self { object: true, arms: true }
+    }
+}
+
+impl Canvas {
+    /// Draws the canvas into all of `ui` and carries out what the pointer does there.
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let whole = ui.available_rect_before_wrap();
+        ui.advance_cursor_after_rect(whole);
+        ui.painter().rect_filled(whole, 0.0, cx.tokens.ground);
+        let Some(workspace) = cx.workspace else {
+            self.forget();
+            cards::no_clip(ui, cx, whole);
+            return;
+        };
+        self.notice_session(workspace);
+        let Some(size) = workspace.size() else {
+            cards::no_pictures(ui, cx, whole, workspace);
+            return;
+        };
+        let rect = Rect::from_min_max(whole.min + vec2(0.0, STRIP), whole.max - vec2(0.0, STRIP));
+        // Neither Tab nor a click moves the keyboard here: keys are commands of the whole window.
+        let response = ui.interact(rect, ui.id().with("canvas"), Sense::CLICK | Sense::DRAG);
+        response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Canvas"));
+        let inner = rect.shrink(MARGIN);
+        let points = ui.ctx().pixels_per_point();
+        let projection = self.view.projection(inner, size, points);
+        self.last = Some((inner, projection));
+        self.zoom_by_wheel(ui, &response, cx);
+        let mut events = pointer_events(ui, &response);
+        self.pan(ui, &mut events);
+        let projection = self.view.projection(inner, size, points);
+        self.last = Some((inner, projection));
+        let peeking = ui.input(|input| input.key_down(Key::H) && input.modifiers.is_none());
+        let scene = Scene {
+            workspace,
+            frame: workspace.playhead,
+            projection,
+            painter: ui.painter_at(rect),
+            rect,
+            events,
+            hover: response.hover_pos().filter(|_| self.panning.is_none()),
+            hidden: cx.options.masks_hidden || (peeking && !ui.ctx().egui_wants_keyboard_input()),
+        };
+        self.draw(&scene, cx);
+        chrome::tool_strip(ui, cx, &scene, &self.object, whole);
+        chrome::view_strip(ui, cx, &scene, &mut self.eyes, whole);
+        cards::fault(ui, cx, &scene);
+    }
+
+    /// Whether Space moved the picture since the last call; if so, letting go of it means nothing more.
+    pub fn took_space(&mut self) -> bool {
+        std::mem::take(&mut self.took_space)
+    }
+
+    /// Another session starts with a fitted view and nothing in progress.
+    fn notice_session(&mut self, workspace: &Workspace) {
+        if self.session.as_ref() != Some(&workspace.folder) {
+            self.forget();
+            self.session = Some(workspace.folder.clone());
+        }
+    }
+
+    fn forget(&mut self) {
+        if self.session.take().is_some() {
+            self.masks.cancel();
+            self.source.clear();
+            *self = Self { source: std::mem::take(&mut self.source), eyes: self.eyes, ..Self::default() };
+        }
+    }
+
+    fn zoom_by_wheel(&mut self, ui: &Ui, response: &Response, cx: &mut Context<'_>) {
+        let (Some(at), Some((rect, now))) = (response.hover_pos(), self.last) else { return };
+        let (scroll, zoom, modifiers) =
+            ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta(), input.modifiers));
+        if zoom != 1.0 {
+            self.view.zoom_to(now.zoom * zoom, at, rect, &now);
+        } else if modifiers.alt && scroll != Vec2::ZERO {
+            if cx.options.step == Step::Masks {
+                let radius = cx.options.brush_radius * ((scroll.x + scroll.y) * 0.005).exp();
+                cx.options.brush_radius = radius.clamp(perform::BRUSHES.0, perform::BRUSHES.1);
+            }
+        } else if scroll.y != 0.0 {
+            self.view.zoom_to(now.zoom * (scroll.y * 0.004).exp(), at, rect, &now);
+        } else if scroll.x != 0.0 {
+            self.view.pan(vec2(scroll.x, 0.0), rect, &now);
+        }
+    }
+
+    /// Moves the picture with the middle button or with Space; tools see nothing of that.
+    fn pan(&mut self, ui: &Ui, events: &mut Vec<PointerEvent>) {
+        let space = ui.input(|input| input.key_down(Key::Space)) && !ui.ctx().egui_wants_keyboard_input();
+        let mut left = Vec::with_capacity(events.len());
+        for event in events.drain(..) {
+            match (event, self.panning) {
+                (PointerEvent::Press { at, button, .. }, None)
+                    if button == PointerButton::Middle || (space && button == PointerButton::Primary) =>
+                {
+                    self.panning = Some((button, at));
+                    self.took_space |= button == PointerButton::Primary;
+                }
+                (PointerEvent::Move(at), Some((button, before))) => {
+                    if let Some((rect, now)) = self.last {
+                        self.view.pan(at - before, rect, &now);
+                        self.last = Some((rect, self.view.projection(rect, now.size, now.zoom / now.scale)));
+                    }
+                    self.panning = Some((button, at));
+                }
+                (PointerEvent::Release { button, .. }, Some((held, _))) if held == button => self.panning = None,
+                (_, Some(_)) => {}
+                (event, None) => left.push(event),
+            }
+        }
+        if self.panning.is_some() {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::Grabbing);
+        } else if space && ui.rect_contains_pointer(ui.max_rect()) {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
+        }
+        *events = left;
+    }
+
+    fn draw(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
+        let sharp = scene.projection.zoom >= SQUARE_PIXELS;
+        let here = self.source.draw(scene.frame, sharp, scene, cx.pictures);
+        if !here {
+            // The picture's place, so that nothing jumps when it comes.
+            scene.painter.rect_filled(scene.projection.picture_rect(), 0.0, cx.tokens.raised);
+        }
+        let step = cx.options.step;
+        if matches!(step, Step::Retarget | Step::Composite | Step::Review) {
+            self.draw_composite(sharp, scene, cx);
+        }
+        let faint = Look { fill: 0.0, line: 1.0, dashed: false };
+        match step {
+            Step::Object => self.object.show(scene, cx),
+            Step::Masks => self.masks.show(scene, cx, [self.eyes.object, self.eyes.arms]),
+            Step::Template => {
+                if self.eyes.object {
+                    self.masks.show_only(scene, cx, MaskLayer::Object, faint);
+                }
+                self.template.show(scene, cx);
+            }
+            Step::Hands => self.hands.show(scene, cx),
+            Step::Retarget => wrists::show(scene, cx),
+            Step::Composite | Step::Review => self.composite.wipe(scene, cx),
+        }
+    }
+
+    fn draw_composite(&mut self, sharp: bool, scene: &Scene<'_>, cx: &mut Context<'_>) {
+        if cx.options.before_after == BeforeAfter::Before && cx.options.step != Step::Retarget {
+            return;
+        }
+        let Some((layers, exact)) = cx.pictures.composite(scene.frame, scene.workspace.revision) else { return };
+        let strength = self.composite_patience.strength(exact, scene);
+        if fits(&layers, scene) {
+            self.composite.draw(&layers, strength, sharp, scene, cx);
+        }
+    }
+}
+
+/// Layers of another clip would not lie on this picture.
+fn fits(layers: &Arc<Layers>, scene: &Scene<'_>) -> bool {
+    layers.composite.size() == scene.size()
+}

@@ -1,0 +1,11 @@
+//! What the pointer does on the canvas, step by step.
+
+pub(super) mod composite;
+pub(super) mod hands;
+pub(super) mod masks;
+pub(super) mod object;
+mod placement;
+mod points;
+mod shape;
+pub(super) mod template;
+pub(super) mod wrists;

@@ -1,0 +1,270 @@
+//! The template placed on a frame, with handles that move, turn and scale it.
+
+use std::sync::Arc;
+
+use agenticfocus::{clip::FrameIndex, geometry::Pixel, session::Command, template::TemplateTrack};
+use egui::{Color32, ColorImage, CursorIcon, Mesh, PointerButton, Pos2, Shape, Vec2, pos2, vec2};
+use nalgebra::Matrix3;
+
+use super::{
+    super::{
+        input::PointerEvent,
+        scene::Scene,
+        shapes::{self, LineStyle},
+        texture::Texture,
+    },
+    placement,
+};
+use crate::{action::Action, state::Context};
+
+/// How near the pointer must be to a handle, points.
+const HIT: f32 = 10.0;
+/// How far the handle that turns stands off, points.
+const STEM: f32 = 28.0;
+/// Pieces a side that the picture is drawn in: perspective is not straight.
+const PIECES: u32 = 8;
+
+/// What a drag does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Grip {
+    Move,
+    Scale,
+    Turn,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Drag {
+    grip: Grip,
+    frame: FrameIndex,
+    from: Pixel,
+    /// The middle when the drag began.
+    centre: Pixel,
+    before: Matrix3<f64>,
+    now: Matrix3<f64>,
+}
+
+/// The tools of this step.
+#[derive(Debug, Default)]
+pub(in super::super) struct TemplateTools {
+    texture: Texture,
+    shown: Option<(Arc<TemplateTrack>, [Pixel; 4])>,
+    drag: Option<Drag>,
+}
+
+/// Where the template lies on `frame`, and whether a person put it there.
+pub(in super::super) fn placed(scene: &Scene<'_>, frame: FrameIndex) -> Option<(Matrix3<f64>, bool)> {
+    let by_hand = scene.workspace.document().template.placements.get(&frame);
+    if let Some(transform) = by_hand {
+        return Some((*transform, true));
+    }
+    let track = scene.workspace.found.template.as_ref()?;
+    let placement = track.placements.get(frame.as_usize())?.as_ref()?;
+    Some((placement.transform, false))
+}
+
+impl TemplateTools {
+    /// Carries out what the pointer did and draws.
+    pub fn show(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
+        let Some(template) = scene.workspace.found.template.clone() else { return };
+        let corners = self.corners(&template, scene);
+        if self.drag.is_some_and(|drag| drag.frame != scene.frame) {
+            self.keep(cx);
+        }
+        for event in &scene.events {
+            self.handle(*event, &corners, scene, cx);
+        }
+        let by_hand = placed(scene, scene.frame);
+        let now = self.drag.map(|drag| (drag.now, true)).or(by_hand);
+        if let Some((transform, human)) = now.filter(|_| !scene.hidden) {
+            self.draw(&transform, human, &corners, scene, cx);
+        }
+    }
+
+    fn corners(&mut self, template: &Arc<TemplateTrack>, scene: &Scene<'_>) -> [Pixel; 4] {
+        if let Some((shown, corners)) = &self.shown
+            && Arc::ptr_eq(shown, template)
+        {
+            return *corners;
+        }
+        let size = template.picture.size();
+        let extent = [size.width as usize, size.height as usize];
+        let image = ColorImage::from_rgba_unmultiplied(extent, template.picture.data());
+        self.texture.write(scene.painter.ctx(), "template", image, false);
+        let corners = placement::frame_of(template);
+        self.shown = Some((Arc::clone(template), corners));
+        corners
+    }
+
+    fn handle(&mut self, event: PointerEvent, corners: &[Pixel; 4], scene: &Scene<'_>, cx: &mut Context<'_>) {
+        match event {
+            PointerEvent::Press { at, button: PointerButton::Primary, .. } if scene.is_writable() => {
+                let Some((before, _)) = placed(scene, scene.frame).filter(|_| !scene.hidden) else { return };
+                if let Some(grip) = grip_at(at, &before, corners, scene) {
+                    cx.options.playing = false;
+                    let centre = placement::apply(&before, placement::middle(corners));
+                    let (frame, from) = (scene.frame, scene.pixel(at));
+                    self.drag = Some(Drag { grip, frame, from, centre, before, now: before });
+                }
+            }
+            PointerEvent::Press { .. } => {}
+            PointerEvent::Move(at) => {
+                if let Some(drag) = &mut self.drag {
+                    drag.follow(scene.pixel(at));
+                }
+            }
+            PointerEvent::Release { button, .. } => {
+                if button == PointerButton::Primary {
+                    self.keep(cx);
+                }
+            }
+        }
+    }
+
+    fn keep(&mut self, cx: &mut Context<'_>) {
+        if let Some(drag) = self.drag.take()
+            && drag.now != drag.before
+        {
+            cx.ask(Action::Change(Command::SetPlacement { frame: drag.frame, transform: Some(drag.now) }));
+        }
+    }
+
+    /// Drops a drag; false when there was none.
+    pub fn cancel(&mut self) -> bool {
+        self.drag.take().is_some()
+    }
+
+    fn draw(
+        &self,
+        transform: &Matrix3<f64>,
+        human: bool,
+        corners: &[Pixel; 4],
+        scene: &Scene<'_>,
+        cx: &Context<'_>,
+    ) {
+        if let (Some(id), Some((template, _))) = (self.texture.id(), &self.shown) {
+            let size = template.picture.size();
+            let extent = vec2(size.width as f32, size.height as f32);
+            let place = |share: Vec2| {
+                let at = share * extent;
+                let at = Pixel::new(f64::from(at.x) - 0.5, f64::from(at.y) - 0.5);
+                scene.projection.to_screen(placement::apply(transform, at))
+            };
+            scene.painter.add(Shape::mesh(warped(id, place)));
+        }
+        let on_screen = corners.map(|at| scene.projection.to_screen(placement::apply(transform, at)));
+        let style = LineStyle { width: 1.5, colour: cx.tokens.template, dashed: !human };
+        shapes::rimmed_line(&scene.painter, &on_screen, true, style);
+        if scene.is_writable() {
+            let hovered = scene.hover.and_then(|at| grip_at(at, transform, corners, scene));
+            let grip = self.drag.map(|drag| drag.grip).or(hovered);
+            let (top, end) = stem(&on_screen);
+            shapes::rimmed_line(&scene.painter, &[top, end], false, LineStyle::solid(1.5, style.colour));
+            let radius = if grip == Some(Grip::Turn) { 7.0 } else { 5.0 };
+            scene.painter.circle(end, radius, Color32::WHITE, egui::Stroke::new(2.0, style.colour));
+            for corner in on_screen {
+                shapes::handle(&scene.painter, corner, style.colour, grip == Some(Grip::Scale));
+            }
+            let icon = match grip {
+                Some(Grip::Move) => CursorIcon::Move,
+                Some(Grip::Scale) => CursorIcon::ResizeNwSe,
+                Some(Grip::Turn) => CursorIcon::Alias,
+                None => return,
+            };
+            scene.painter.ctx().set_cursor_icon(icon);
+        }
+    }
+}
+
+impl Drag {
+    fn follow(&mut self, to: Pixel) {
+        let (from, to) = ((self.from.x - self.centre.x, self.from.y - self.centre.y), (to.x, to.y));
+        let rel = (to.0 - self.centre.x, to.1 - self.centre.y);
+        self.now = match self.grip {
+            Grip::Move => placement::moved(&self.before, to.0 - self.from.x, to.1 - self.from.y),
+            Grip::Scale => {
+                let scale = rel.0.hypot(rel.1) / from.0.hypot(from.1).max(1.0);
+                placement::turned(&self.before, self.centre, scale.clamp(0.05, 20.0), 0.0)
+            }
+            Grip::Turn => {
+                let angle = rel.1.atan2(rel.0) - from.1.atan2(from.0);
+                placement::turned(&self.before, self.centre, 1.0, angle)
+            }
+        };
+    }
+}
+
+/// Where the stem of the turning handle starts and ends: outwards from the top edge.
+fn stem(on_screen: &[Pos2; 4]) -> (Pos2, Pos2) {
+    let top = on_screen[0] + (on_screen[1] - on_screen[0]) / 2.0;
+    let bottom = on_screen[3] + (on_screen[2] - on_screen[3]) / 2.0;
+    let outwards = (top - bottom).normalized();
+    (top, top + if outwards.length() > 0.5 { outwards } else { vec2(0.0, -1.0) } * STEM)
+}
+
+/// What a press at `at` takes hold of.
+fn grip_at(at: Pos2, transform: &Matrix3<f64>, corners: &[Pixel; 4], scene: &Scene<'_>) -> Option<Grip> {
+    let on_screen = corners.map(|corner| scene.projection.to_screen(placement::apply(transform, corner)));
+    if stem(&on_screen).1.distance(at) <= HIT {
+        return Some(Grip::Turn);
+    }
+    if on_screen.iter().any(|corner| corner.distance(at) <= HIT) {
+        return Some(Grip::Scale);
+    }
+    let back = transform.try_inverse()?;
+    let inside = placement::apply(&back, scene.pixel(at));
+    let within = inside.x >= corners[0].x
+        && inside.x <= corners[2].x
+        && inside.y >= corners[0].y
+        && inside.y <= corners[2].y;
+    within.then_some(Grip::Move)
+}
+
+/// A texture bent so that its corner at share (0, 0) to (1, 1) of it lies where `place` says.
+fn warped(id: egui::TextureId, place: impl Fn(Vec2) -> Pos2) -> Mesh {
+    let mut mesh = Mesh::with_texture(id);
+    for row in 0..=PIECES {
+        for column in 0..=PIECES {
+            let share = vec2(column as f32, row as f32) / PIECES as f32;
+            mesh.vertices.push(egui::epaint::Vertex {
+                pos: place(share),
+                uv: pos2(share.x, share.y),
+                color: Color32::WHITE,
+            });
+        }
+    }
+    let at = |row: u32, column: u32| row * (PIECES + 1) + column;
+    for row in 0..PIECES {
+        for column in 0..PIECES {
+            let (a, b) = (at(row, column), at(row, column + 1));
+            let (c, d) = (at(row + 1, column), at(row + 1, column + 1));
+            mesh.add_triangle(a, b, c);
+            mesh.add_triangle(c, b, d);
+        }
+    }
+    mesh
+}
+
+/// `command`'s change of the placement on the frame at hand.
+pub(in super::super) fn nudged(
+    cx: &Context<'_>,
+    change: impl Fn(&Matrix3<f64>, Pixel) -> Matrix3<f64>,
+) -> Option<Command> {
+    let workspace = cx.workspace.filter(|workspace| workspace.is_writable())?;
+    let frame = workspace.playhead;
+    let track = workspace.found.template.as_ref()?;
+    let by_hand = workspace.document().template.placements.get(&frame).copied();
+    let found = || Some(track.placements.get(frame.as_usize())?.as_ref()?.transform);
+    let before = by_hand.or_else(found)?;
+    let centre = placement::apply(&before, placement::middle(&placement::frame_of(track)));
+    Some(Command::SetPlacement { frame, transform: Some(change(&before, centre)) })
+}
+
+/// Moves a placement.
+pub(in super::super) fn shift(dx: f64, dy: f64) -> impl Fn(&Matrix3<f64>, Pixel) -> Matrix3<f64> {
+    move |transform, _| placement::moved(transform, dx, dy)
+}
+
+/// Scales a placement about its own middle.
+pub(in super::super) fn scale(by: f64) -> impl Fn(&Matrix3<f64>, Pixel) -> Matrix3<f64> {
+    move |transform, centre| placement::turned(transform, centre, by, 0.0)
+}
