@@ -1,8 +1,10 @@
 //! The operator's desktop application: panels over a session's history and an engine handle.
 
 pub mod action;
+pub mod canvas;
 pub mod inspector;
 pub mod key_sheet;
+pub mod paint;
 pub mod palette;
 pub mod panels;
 pub mod state;

@@ -1,20 +1,20 @@
 //! What is said in the middle of the canvas when there is no picture to show.
 
-use agenticfocus::geometry::Size;
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Stroke, Ui, UiBuilder, Vec2, vec2};
 
 use super::{
-    chrome::run_button,
     scene::Scene,
     shapes::{self, LineStyle},
 };
 use crate::{
     state::{Context, Work, Workspace},
+    theme::Tokens,
     ui_command::UiCommand,
+    widgets::{Icon, command_button, empty_state},
 };
 
 /// Width of a card, points.
-const WIDTH: f32 = 380.0;
+const WIDTH: f32 = 400.0;
 
 /// Says how to begin.
 pub(super) fn no_clip(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect) {
@@ -22,89 +22,95 @@ pub(super) fn no_clip(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect) {
     let colour = if dropping { cx.tokens.accent } else { cx.tokens.line };
     let border = LineStyle { width: if dropping { 2.0 } else { 1.0 }, colour, dashed: true };
     shapes::polyline(ui.painter(), &shapes::corners(rect.shrink(24.0)), true, border);
-    let (title, text) = if dropping {
-        ("Let go to open", "A video, a session, or a folder of clips")
+    if dropping {
+        let (title, text) = ("Let go to open", "A video, a session, or a folder of clips");
+        empty(ui, cx, rect, (Icon::Folder, title, text), &[]);
     } else {
-        ("No clip open", "Drop a video here, or try the demo episode")
-    };
-    let buttons = [UiCommand::Open, UiCommand::OpenFolder];
-    card(ui, cx, rect, &Card { title, text, framed: false, share: None, buttons: &buttons });
+        let (title, text) = ("No clip open", "Drop a video here, or try the demo episode");
+        empty(ui, cx, rect, (Icon::Picture, title, text), &[UiCommand::Open, UiCommand::OpenFolder]);
+    }
 }
 
 /// Says why there is no picture of an open clip yet.
 pub(super) fn no_pictures(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect, workspace: &Workspace) {
+    let again = [UiCommand::Rerun];
     match &workspace.work {
         Work::Failed(failure) => {
-            let buttons = [UiCommand::Rerun, UiCommand::Open];
-            let text = failure.message.as_str();
             let title = "This clip cannot be shown";
-            card(ui, cx, rect, &Card { title, text, framed: true, share: None, buttons: &buttons });
+            framed(ui, cx, rect, title, &failure.message, &[UiCommand::Rerun, UiCommand::Open]);
         }
         Work::Cancelled => {
-            let (title, text) = ("Reading was stopped", "The clip was not read to its end");
-            let buttons = [UiCommand::Rerun];
-            card(ui, cx, rect, &Card { title, text, framed: false, share: None, buttons: &buttons });
+            let text = "Frames appear when it was read to its end";
+            empty(ui, cx, rect, (Icon::Stop, "Reading was stopped", text), &again);
         }
         Work::Running { share, .. } => {
-            let (title, text) = ("Reading the clip", "Its first frame appears as soon as it is decoded");
-            let share = Some(*share as f32);
-            card(ui, cx, rect, &Card { title, text, framed: false, share, buttons: &[] });
+            let text = "Frames appear as soon as they are decoded";
+            empty(ui, cx, rect, (Icon::HalfRing, "Reading the clip", text), &[]);
+            let bar = Rect::from_center_size(rect.center() + vec2(0.0, 64.0), vec2(160.0, 4.0));
+            progress(ui, cx.tokens, bar, *share as f32);
         }
         Work::Idle => {
-            let (title, text) = ("The clip is not read yet", "Frames appear once it is decoded");
-            let buttons = [UiCommand::Rerun];
-            card(ui, cx, rect, &Card { title, text, framed: false, share: None, buttons: &buttons });
+            let text = "Frames appear once it was decoded";
+            empty(ui, cx, rect, (Icon::Ring, "The clip was not read yet", text), &again);
         }
     }
 }
 
 /// Says why there is no picture of this very frame.
 pub(super) fn fault(ui: &mut Ui, cx: &mut Context<'_>, scene: &Scene<'_>) {
-    let Some(text) = cx.pictures.fault(scene.frame).map(str::to_owned) else { return };
-    let title = format!("No picture of {}", scene.frame);
-    let buttons = [UiCommand::Rerun];
-    let card_of = Card { title: &title, text: &text, framed: true, share: None, buttons: &buttons };
-    card(ui, cx, scene.rect, &card_of);
+    if let Some(text) = cx.pictures.fault(scene.frame).map(str::to_owned) {
+        framed(ui, cx, scene.rect, &format!("No picture of {}", scene.frame), &text, &[UiCommand::Rerun]);
+    }
 }
 
-/// A card's content.
-struct Card<'a> {
-    title: &'a str,
-    text: &'a str,
-    /// Something went wrong, or it lies over a picture.
-    framed: bool,
-    share: Option<f32>,
-    buttons: &'a [UiCommand],
+fn empty(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    rect: Rect,
+    (icon, title, text): (Icon, &str, &str),
+    commands: &[UiCommand],
+) {
+    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+        let tokens = cx.tokens;
+        empty_state(ui, tokens, icon, title, text, |ui| buttons(ui, cx, commands));
+    });
 }
 
-fn card(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect, card: &Card<'_>) {
-    let width = WIDTH.min(rect.width() - 32.0).max(120.0);
+/// A card over whatever lies below: something went wrong.
+fn framed(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    rect: Rect,
+    title: &str,
+    text: &str,
+    commands: &[UiCommand],
+) {
+    let width = WIDTH.min(rect.width() - 32.0).max(160.0);
     // Its height is known after it was drawn once; until then it is guessed.
-    let id = ui.id().with("canvas card");
-    let height = ui.data(|data| data.get_temp::<f32>(id)).unwrap_or(112.0);
+    let id = ui.scope_id().with("canvas card");
+    let height = ui.data(|data| data.get_temp::<f32>(id)).unwrap_or(128.0);
     let place = Rect::from_center_size(rect.center(), vec2(width, height));
-    let builder = UiBuilder::new().max_rect(place).layout(Layout::top_down(Align::Center));
+    let builder = UiBuilder::new().max_rect(place).layout(Layout::top_down(Align::Min));
     let inner = ui.scope_builder(builder, |ui| {
-        let frame = if card.framed {
-            let edge = Stroke::new(1.0, cx.tokens.hole);
-            Frame::new().fill(cx.tokens.panel).stroke(edge).corner_radius(4).inner_margin(Margin::same(16))
-        } else {
-            Frame::new().inner_margin(Margin::same(16))
-        };
+        let frame = Frame::new()
+            .fill(cx.tokens.panel)
+            .stroke(Stroke::new(1.0, cx.tokens.line))
+            .corner_radius(Tokens::RADIUS)
+            .inner_margin(Margin::same(16));
         frame.show(ui, |ui| {
-            ui.set_width(width - 32.0);
-            ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
-            let mark = if card.framed { "⚠  " } else { "" };
-            let title = RichText::new(format!("{mark}{}", card.title)).size(15.0).strong().color(cx.tokens.text);
-            ui.label(title);
-            ui.label(RichText::new(card.text).color(cx.tokens.muted));
-            if let Some(share) = card.share {
-                progress(ui, cx, share);
-            }
-            if !card.buttons.is_empty() {
-                ui.add_space(4.0);
-                buttons(ui, cx, card.buttons);
-            }
+            ui.set_width(width - 34.0);
+            ui.spacing_mut().item_spacing = Vec2::splat(8.0);
+            ui.horizontal(|ui| {
+                Icon::Warning.show(ui, cx.tokens.hole);
+                ui.label(RichText::new(title).size(Tokens::HEADING).color(cx.tokens.text));
+            });
+            ui.label(RichText::new(text).color(cx.tokens.text));
+            ui.add_space(4.0);
+            ui.horizontal(|ui| {
+                for command in commands {
+                    command_button(ui, cx, *command);
+                }
+            });
         });
     });
     let drawn = inner.response.rect.height();
@@ -116,31 +122,25 @@ fn card(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect, card: &Card<'_>) {
 
 /// Buttons side by side in the middle.
 fn buttons(ui: &mut Ui, cx: &mut Context<'_>, commands: &[UiCommand]) {
-    let id = ui.id().with("card buttons");
+    let id = ui.scope_id().with("card buttons");
     let width = ui.data(|data| data.get_temp::<f32>(id)).unwrap_or(0.0);
     let space = ((ui.available_width() - width) / 2.0).max(0.0);
     let row = ui.horizontal(|ui| {
         ui.add_space(space);
         let start = ui.cursor().min.x;
         for command in commands {
-            run_button(ui, cx, *command, false);
+            command_button(ui, cx, *command);
         }
         ui.min_rect().max.x - start
     });
-    if (row.inner - width).abs() > 0.5 {
+    if !commands.is_empty() && (row.inner - width).abs() > 0.5 {
         ui.data_mut(|data| data.insert_temp(id, row.inner));
         ui.ctx().request_repaint();
     }
 }
 
-fn progress(ui: &mut Ui, cx: &Context<'_>, share: f32) {
-    let (rect, _) = ui.allocate_exact_size(Vec2::new(160.0, 4.0), egui::Sense::hover());
-    ui.painter().rect_filled(rect, 2.0, cx.tokens.line);
-    let done = Rect::from_min_size(rect.min, vec2(rect.width() * share.clamp(0.0, 1.0), rect.height()));
-    ui.painter().rect_filled(done, 2.0, cx.tokens.accent);
-}
-
-/// A size in words.
-pub(super) fn size_text(size: Size) -> String {
-    format!("{size} px")
+fn progress(ui: &Ui, tokens: &Tokens, bar: Rect, share: f32) {
+    ui.painter().rect_filled(bar, 2.0, tokens.line);
+    let done = Rect::from_min_size(bar.min, vec2(bar.width() * share.clamp(0.0, 1.0), bar.height()));
+    ui.painter().rect_filled(done, 2.0, tokens.accent);
 }

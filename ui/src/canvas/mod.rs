@@ -1,5 +1,6 @@
 //! The canvas: the picture, what lies over it, and what the pointer does with it.
 
+mod caption;
 mod cards;
 mod chrome;
 mod input;
@@ -95,7 +96,7 @@ impl Canvas {
         };
         let rect = Rect::from_min_max(whole.min + vec2(0.0, STRIP), whole.max - vec2(0.0, STRIP));
         // Neither Tab nor a click moves the keyboard here: keys are commands of the whole window.
-        let response = ui.interact(rect, ui.id().with("canvas"), Sense::CLICK | Sense::DRAG);
+        let response = ui.interact(rect, ui.scope_id().with("canvas"), Sense::CLICK | Sense::DRAG);
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Canvas"));
         let inner = rect.shrink(MARGIN);
         let points = ui.ctx().pixels_per_point();
@@ -118,7 +119,13 @@ impl Canvas {
             hidden: cx.options.masks_hidden || (peeking && !ui.ctx().egui_wants_keyboard_input()),
         };
         self.draw(&scene, cx);
-        chrome::tool_strip(ui, cx, &scene, &self.object, whole);
+        let points = match cx.options.step {
+            Step::Object => self.object.points.as_ref(),
+            Step::Masks => self.masks.points.as_ref(),
+            _ => None,
+        };
+        let caption = caption::caption(cx, &scene, points);
+        chrome::tool_strip(ui, cx, self.object.tool, caption, whole);
         chrome::view_strip(ui, cx, &scene, &mut self.eyes, whole);
         cards::fault(ui, cx, &scene);
     }

@@ -42,9 +42,4 @@ impl Scene<'_> {
     pub fn is_writable(&self) -> bool {
         self.workspace.is_writable()
     }
-
-    /// Asks to be drawn again soon: something moves by itself.
-    pub fn repaint(&self) {
-        self.painter.ctx().request_repaint();
-    }
 }

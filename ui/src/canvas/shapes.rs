@@ -3,12 +3,10 @@
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
 use super::view::Projection;
-use crate::{paint::Outline, theme::Tokens};
+use crate::{paint::Outline, theme::Tokens, widgets::Icon};
 
 /// Dash and gap of what is doubtful, points.
 const DASH: (f32, f32) = (7.0, 5.0);
-/// Size of small text over the picture.
-const SMALL: f32 = 11.0;
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,10 +20,6 @@ pub(super) struct LineStyle {
 impl LineStyle {
     pub fn solid(width: f32, colour: Color32) -> Self {
         Self { width, colour, dashed: false }
-    }
-
-    pub fn dashed(width: f32, colour: Color32) -> Self {
-        Self { width, colour, dashed: true }
     }
 
     fn stroke(&self) -> Stroke {
@@ -136,16 +130,33 @@ pub(super) fn handle(painter: &Painter, at: Pos2, colour: Color32, lit: bool) {
 
 /// Small text on a panel of its own, its bottom-left corner at `at`; stays within the picture's rectangle.
 pub(super) fn badge(painter: &Painter, tokens: &Tokens, at: Pos2, text: &str, mark: Color32) -> Rect {
-    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(SMALL), tokens.text);
-    let size = galley.size() + vec2(16.0, 6.0);
+    badge_with(painter, tokens, at, None, text, mark)
+}
+
+/// A badge with a glyph before its text.
+pub(super) fn badge_with(
+    painter: &Painter,
+    tokens: &Tokens,
+    at: Pos2,
+    icon: Option<Icon>,
+    text: &str,
+    mark: Color32,
+) -> Rect {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(Tokens::SMALL), tokens.text);
+    let indent = if icon.is_some() { 16.0 } else { 0.0 };
+    let size = galley.size() + vec2(17.0 + indent, 6.0);
     let clip = painter.clip_rect();
     let corner = pos2(at.x, at.y - size.y);
     let corner = corner.clamp(clip.min, (clip.max - size).max(clip.min));
     let rect = Rect::from_min_size(corner, size);
-    painter.rect_filled(rect, 4.0, tokens.panel.gamma_multiply(0.92));
+    painter.rect_filled(rect, Tokens::RADIUS, tokens.panel.gamma_multiply(0.92));
     let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(3.0, size.y - 8.0));
     painter.rect_filled(bar, 1.5, mark);
-    painter.galley(rect.min + vec2(11.0, 3.0), galley, tokens.text);
+    if let Some(icon) = icon {
+        let middle = pos2(rect.min.x + 17.0, rect.center().y);
+        icon.paint(painter, Rect::from_center_size(middle, Vec2::splat(12.0)), tokens.text);
+    }
+    painter.galley(rect.min + vec2(11.0 + indent, 3.0), galley, tokens.text);
     rect
 }
 
@@ -163,5 +174,5 @@ pub(super) fn click_mark(painter: &Painter, at: Pos2, positive: bool, tokens: &T
 
 /// Text in the middle of a rectangle, in small.
 pub(super) fn small_text(painter: &Painter, at: Pos2, align: Align2, text: &str, colour: Color32) -> Rect {
-    painter.text(at, align, text, FontId::proportional(SMALL), colour)
+    painter.text(at, align, text, FontId::proportional(Tokens::SMALL), colour)
 }

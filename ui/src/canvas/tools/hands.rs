@@ -125,12 +125,6 @@ impl HandTools {
     pub fn cancel(&mut self) -> bool {
         self.drag.take().is_some()
     }
-
-    /// What the pointer is on, in words.
-    pub fn caption(&self) -> Option<String> {
-        let drag = self.drag.as_ref()?;
-        Some(format!("{} hand, {}", drag.side.name(), joint_name(drag.joint)))
-    }
 }
 
 impl Drag {
@@ -195,15 +189,8 @@ fn joint_at(hands: &[ShownHand], at: Pos2, scene: &Scene<'_>) -> Option<(Side, u
     near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(joint, _)| joint)
 }
 
-fn colour_of(side: Side, tokens: &Tokens) -> Color32 {
-    match side {
-        Side::Left => tokens.left,
-        Side::Right => tokens.right,
-    }
-}
-
 fn draw_hand(hand: &ShownHand, lit: Option<usize>, meant: bool, scene: &Scene<'_>, tokens: &Tokens) {
-    let colour = colour_of(hand.side, tokens);
+    let colour = tokens.side(hand.side);
     let painter = &scene.painter;
     let at = hand.keypoints.map(|pixel| scene.projection.to_screen(pixel));
     let chain = lit.filter(|joint| *joint != keypoint::WRIST).map(|joint| (joint - 1) / 4);

@@ -25,7 +25,7 @@ use super::{
 use crate::{
     action::Action,
     paint,
-    state::{Context, MaskOnFrame, Tool},
+    state::{Context, Tool},
 };
 
 /// Trust below which a machine's mask has a dashed border.
@@ -387,11 +387,6 @@ impl MaskTools {
     pub fn whole_mask(&self, cx: &Context<'_>) -> Option<(FrameIndex, Mask)> {
         let workspace = cx.workspace.filter(|workspace| workspace.is_writable() && self.edit.is_none())?;
         Some((workspace.playhead, workspace.mask_pixels(cx.options.mask_layer, workspace.playhead)?))
-    }
-
-    /// What is on screen of the edited layer, for the line above the canvas.
-    pub fn on_screen(scene: &Scene<'_>, layer: MaskLayer) -> Option<MaskOnFrame> {
-        scene.workspace.mask(layer, scene.frame)
     }
 }
 

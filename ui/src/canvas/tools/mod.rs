@@ -5,7 +5,7 @@ pub(super) mod hands;
 pub(super) mod masks;
 pub(super) mod object;
 mod placement;
-mod points;
+pub(super) mod points;
 mod shape;
 pub(super) mod template;
 pub(super) mod wrists;

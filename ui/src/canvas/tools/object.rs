@@ -16,7 +16,7 @@ use super::{
     points::Points,
     shape::{ShapeInProgress, ShapeKind, box_between},
 };
-use crate::{action::Action, state::Context, ui_command::UiCommand};
+use crate::{action::Action, state::Context, ui_command::UiCommand, widgets::Icon};
 
 /// A drag shorter than this is a click, points.
 const CLICK: f32 = 4.0;
@@ -234,8 +234,8 @@ fn draw_proposals(scene: &Scene<'_>, cx: &Context<'_>) {
         }
     }
     if let Some(chosen) = chosen {
-        let number = document.proposals.iter().position(is_chosen).map(|at| format!("{} ✔", at + 1));
-        draw_proposal(scene, cx, chosen, number.as_deref().unwrap_or("✔"), false, true);
+        let number = document.proposals.iter().position(is_chosen).map(|at| format!("{}", at + 1));
+        draw_proposal(scene, cx, chosen, number.as_deref().unwrap_or_default(), false, true);
     }
 }
 
@@ -265,9 +265,11 @@ fn draw_proposal(
             }
         }
     }
-    let mut text = format!("{mark}  {}  {:.0} %", proposal.label, proposal.confidence * 100.0);
+    let mut text = format!("{mark}  {}  {:.0} %", proposal.label, proposal.confidence * 100.0).trim().to_owned();
     if !here {
         text.push_str(&format!("  on {}", proposal.frame));
     }
-    shapes::badge(&scene.painter, cx.tokens, rect.left_top() - egui::vec2(1.0, 3.0), &text, colour);
+    let at = rect.left_top() - egui::vec2(1.0, 3.0);
+    let icon = chosen.then_some(Icon::Check);
+    shapes::badge_with(&scene.painter, cx.tokens, at, icon, &text, colour);
 }

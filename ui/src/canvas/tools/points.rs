@@ -46,14 +46,14 @@ impl Points {
     }
 
     /// What is to be done next, in words.
-    pub fn hint(&self, scene: &Scene<'_>, key: &str) -> String {
+    pub fn hint(&self, scene: &Scene<'_>) -> String {
         if let Some(fault) = scene.workspace.draft.as_ref().and_then(|draft| draft.fault.as_ref()) {
             return fault.clone();
         }
         match (self.positive.is_empty(), self.answer(scene).is_some()) {
-            (true, _) => "Click on it too: points beside it alone say nothing".to_owned(),
-            (false, true) => format!("{key} takes this mask, Esc drops the points"),
-            (false, false) => format!("Looking for a mask… {key} takes it, Esc drops the points"),
+            (true, _) => "Click on it too, not only beside it".to_owned(),
+            (false, true) => "Enter takes this, Esc drops the points".to_owned(),
+            (false, false) => "Looking for a mask…".to_owned(),
         }
     }
 

@@ -34,10 +34,7 @@ pub(in super::super) fn show(scene: &Scene<'_>, cx: &Context<'_>) {
         else {
             continue;
         };
-        let colour = match side {
-            Side::Left => cx.tokens.left,
-            Side::Right => cx.tokens.right,
-        };
+        let colour = cx.tokens.side(side);
         let style = LineStyle { width: 2.0, colour, dashed: !report.reachable };
         shapes::rimmed_line(&scene.painter, &[target, reached], false, style);
         scene.painter.circle_stroke(target, 9.0, Stroke::new(4.0, shapes::rim_colour()));
