@@ -1,5 +1,6 @@
 //! The command palette: any command by a few letters of its name.
 
+use agenticfocus::session::Step;
 use egui::{
     Align, Align2, CornerRadius, FontId, Frame, Id, Key, Layout, Margin, Modal, Modifiers, Rect, RichText,
     ScrollArea, Sense, TextEdit, Ui, WidgetInfo, accesskit::Role, pos2, vec2,
@@ -10,7 +11,7 @@ use crate::{
     state::{Context, Options},
     theme::Tokens,
     ui_command::UiCommand,
-    widgets::{Icon, blocked, key_text, small},
+    widgets::{Icon, blocked_in_its_step, command_step, key_text, small, step_name},
 };
 
 /// Width of the palette, points.
@@ -57,6 +58,8 @@ pub fn fuzzy(pattern: &str, text: &str) -> Option<i32> {
 /// A command that fits what was typed.
 struct Found {
     command: UiCommand,
+    /// The step to go to first.
+    step: Option<Step>,
     reason: Option<String>,
     score: i32,
 }
@@ -68,11 +71,13 @@ fn find(cx: &Context<'_>, pattern: &str) -> Vec<Found> {
             let by_name = fuzzy(pattern, command.text()).map(|score| 20 + 2 * score);
             let said = command.tooltip().to_lowercase().contains(&pattern.trim().to_lowercase());
             let score = by_name.or(said.then_some(0))?;
-            Some(Found { command, reason: blocked(cx, command), score })
+            let step = command_step(command).filter(|step| *step != cx.options.step);
+            Some(Found { command, step, reason: blocked_in_its_step(cx, command), score })
         })
         .collect();
     // What can be done now comes first; the sort is stable, so equals stay in the table's order.
-    found.sort_by_key(|found| (found.reason.is_some(), -found.score));
+    let rest = pattern.trim().is_empty();
+    found.sort_by_key(|found| (found.reason.is_some(), rest && found.step.is_some(), -found.score));
     found
 }
 
@@ -141,7 +146,7 @@ impl Palette {
             ui.label(small(cx.tokens, format!("No command is called “{}”", self.text.trim())));
             ui.add_space(8.0);
         }
-        let mut taken = enter.then(|| found.get(self.chosen)).flatten().map(|found| found.command);
+        let mut taken = enter.then(|| found.get(self.chosen)).flatten();
         let scroll = ScrollArea::vertical().max_height(ROWS * ROW).min_scrolled_height(ROWS * ROW);
         scroll.auto_shrink([false, true]).show(ui, |ui| {
             for (at, one) in found.iter().enumerate() {
@@ -151,15 +156,16 @@ impl Palette {
                     response.scroll_to_me(None);
                 }
                 if response.clicked() {
-                    taken = Some(one.command);
+                    taken = Some(one);
                 }
             }
         });
-        let taken = taken.filter(|command| blocked(cx, *command).is_none());
-        if let Some(command) = taken {
-            cx.ask(Action::Run(command));
+        let Some(taken) = taken.filter(|found| found.reason.is_none()) else { return false };
+        if let Some(step) = taken.step {
+            cx.ask(Action::SetStep(step));
         }
-        taken.is_some()
+        cx.ask(Action::Run(taken.command));
+        true
     }
 }
 
@@ -184,6 +190,10 @@ fn row(ui: &mut Ui, tokens: &Tokens, found: &Found, chosen: bool) -> egui::Respo
     if let Some(key) = found.command.keys().first() {
         let keys = key_text(ui.ctx(), key);
         right = place(&keys, right, Align2::RIGHT_CENTER, Tokens::SMALL, tokens.muted).left() - 16.0;
+    }
+    if let Some(step) = found.step {
+        let words = format!("in {}", step_name(step));
+        right = place(&words, right, Align2::RIGHT_CENTER, Tokens::SMALL, tokens.muted).left() - 16.0;
     }
     let (about, colour) = match &found.reason {
         Some(reason) => (reason.as_str(), tokens.muted),

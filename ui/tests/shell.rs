@@ -21,6 +21,7 @@ use agenticfocus_ui::{
     state::{Work, Workspace},
     theme::Tokens,
     ui_command::UiCommand,
+    widgets::blocked,
 };
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::{
@@ -306,6 +307,50 @@ fn a_button_that_cannot_be_pressed_says_so() {
     let redo = harness.get_by_label(UiCommand::Redo.text());
     assert!(redo.accesskit_node().is_disabled(), "there is nothing to do again");
     assert!(!harness.get_by_label(UiCommand::Undo.text()).accesskit_node().is_disabled());
+}
+
+#[test]
+fn the_palette_goes_to_the_step_of_a_command_first() {
+    let mut harness = window(Bench::new(Tokens::dark()), NARROW);
+    harness.state_mut().options.palette_open = true;
+    harness.run();
+    harness.get_by_label("Find a command").type_text("fit β");
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    let actions = &harness.state().actions;
+    assert!(
+        matches!(actions[..], [Action::SetStep(Step::Retarget), Action::Run(UiCommand::FitBeta)]),
+        "{actions:?}"
+    );
+}
+
+#[test]
+fn a_session_held_by_another_program_cannot_be_changed_but_looked_at() {
+    let holder = LockHolder { program: "agenticfocus".to_owned(), pid: 4242 };
+    let mut bench = with(Tokens::dark(), |bench, w| {
+        (w.access, bench.options.step) = (Access::ReadOnly(holder), Step::Masks);
+    });
+    let cx = bench.context();
+    for command in [UiCommand::Undo, UiCommand::Confirm, UiCommand::Grow, UiCommand::Trust] {
+        let reason = blocked(&cx, command).unwrap();
+        assert!(reason.contains("process 4242"), "{command:?}: {reason}");
+    }
+    for command in [UiCommand::NextFrame, UiCommand::NextProblem, UiCommand::Brush, UiCommand::Fit] {
+        assert_eq!(blocked(&cx, command), None, "{command:?}");
+    }
+}
+
+#[test]
+fn large_text_keeps_every_step_in_sight() {
+    let mut harness = window(Bench::new(Tokens::dark()), [760.0, 560.0]);
+    harness.run();
+    let window = harness.ctx.content_rect();
+    for step in ["Object: confirmed", "Review: not run"] {
+        let rect = harness.get_by_label(step).rect();
+        assert!(window.contains_rect(rect), "{step} at {rect:?}");
+    }
+    harness.snapshot("shell_tiny");
 }
 
 #[test]

@@ -92,10 +92,13 @@ fn not_saved(ui: &mut Ui, cx: &mut Context<'_>, since: SystemTime, reason: &str,
         .fill(cx.tokens.alarm)
         .corner_radius(CornerRadius::same(Tokens::RADIUS))
         .inner_margin(Margin::symmetric(8, 2));
+    let room = (ui.available_width() - 360.0).max(160.0);
     frame.show(ui, |ui| {
+        ui.set_max_width(room);
         Icon::Warning.show(ui, cx.tokens.on_alarm);
-        let text = RichText::new(words).small().strong().color(cx.tokens.on_alarm);
-        ui.label(text).on_hover_text(format!("{changes} wait here and are tried again every few seconds"));
+        let text = RichText::new(&words).small().strong().color(cx.tokens.on_alarm);
+        ui.add(Label::new(text).truncate())
+            .on_hover_text(format!("{words}\n{changes} wait here and are tried again every few seconds"));
     });
     let retry = ui.add(Button::new(RichText::new("Retry").small()));
     if retry.on_hover_text("Try at once to write what waits").clicked() {

@@ -27,8 +27,15 @@ impl TopBar {
             ui.spacing_mut().item_spacing.x = 4.0;
             menu(ui, cx);
             ui.add_space(4.0);
-            let chips = chips_of(cx);
-            let width: f32 = chips.iter().map(|chip| chip.width(ui)).sum::<f32>() + 6.0 * BETWEEN;
+            let mut chips = chips_of(cx);
+            let mut width = width_of(ui, &chips);
+            if width > ui.available_width() - 160.0 {
+                // With large text there is no room for all words: the glyphs stay, the words of the step on screen too.
+                for chip in &mut chips {
+                    chip.short = chip.step != cx.options.step;
+                }
+                width = width_of(ui, &chips);
+            }
             let tools = 3.0 * Tokens::ROW + 2.0 * 4.0 + 12.0;
             let room = (ui.available_width() - width - tools - 16.0).max(0.0);
             title(ui, cx, room);
@@ -51,6 +58,12 @@ struct StepChip {
     step: Step,
     state: StepState,
     name: String,
+    /// Drawn without its word.
+    short: bool,
+}
+
+fn width_of(ui: &Ui, chips: &[StepChip]) -> f32 {
+    chips.iter().map(|chip| chip.width(ui)).sum::<f32>() + 6.0 * BETWEEN
 }
 
 impl StepChip {
@@ -60,11 +73,8 @@ impl StepChip {
             StepState::NeedsLook(count) => Some(count),
             _ => None,
         };
-        Chip::new(tokens, step_name(self.step))
-            .named(&self.name)
-            .glyph(glyph.icon, glyph.colour)
-            .count(count)
-            .clickable()
+        let text = if self.short { "" } else { step_name(self.step) };
+        Chip::new(tokens, text).named(&self.name).glyph(glyph.icon, glyph.colour).count(count).clickable()
     }
 
     fn width(&self, ui: &Ui) -> f32 {
@@ -77,7 +87,8 @@ fn chips_of(cx: &Context<'_>) -> Vec<StepChip> {
         .into_iter()
         .map(|step| {
             let state = cx.workspace.map_or(StepState::NotRun, |workspace| workspace.step_state(step));
-            StepChip { step, state, name: format!("{}: {}", step_name(step), step_words(state)) }
+            let name = format!("{}: {}", step_name(step), step_words(state));
+            StepChip { step, state, name, short: false }
         })
         .collect()
 }

@@ -9,6 +9,28 @@ use crate::{
 
 /// Why `command` cannot be carried out now, in words for a tooltip; `None` where it can.
 pub fn blocked(cx: &Context<'_>, command: UiCommand) -> Option<String> {
+    blocked_in_its_step(cx, command).or_else(|| {
+        let step = command_step(command).filter(|step| *step != cx.options.step)?;
+        Some(format!("Only in the step “{}”", super::step_name(step).to_lowercase()))
+    })
+}
+
+/// The step that `command` belongs to; `None` where it holds everywhere.
+pub fn command_step(command: UiCommand) -> Option<Step> {
+    match command.scope() {
+        Scope::Global => None,
+        Scope::Object => Some(Step::Object),
+        Scope::Masks => Some(Step::Masks),
+        Scope::Template => Some(Step::Template),
+        Scope::Hands => Some(Step::Hands),
+        Scope::Retarget => Some(Step::Retarget),
+        Scope::Composite => Some(Step::Composite),
+        Scope::Review => Some(Step::Review),
+    }
+}
+
+/// Why `command` could not even be carried out in the step it belongs to.
+pub fn blocked_in_its_step(cx: &Context<'_>, command: UiCommand) -> Option<String> {
     use UiCommand as C;
     match command {
         C::Open
@@ -41,13 +63,8 @@ pub fn blocked(cx: &Context<'_>, command: UiCommand) -> Option<String> {
     {
         return Some(format!("Read-only: {holder} writes to this session"));
     }
-    if needs_frames(command) && workspace.frame_count() == 0 {
-        return Some("The clip is still being read".to_owned());
-    }
-    let step = scope_of(cx.options.step);
-    let scope = command.scope();
-    (scope != Scope::Global && scope != step)
-        .then(|| format!("Only in the step “{}”", super::step_name(step_of(scope)).to_lowercase()))
+    let unread = needs_frames(command) && workspace.frame_count() == 0;
+    unread.then(|| "The clip is still being read".to_owned())
 }
 
 fn no_next_clip(cx: &Context<'_>) -> Option<String> {
@@ -112,28 +129,4 @@ fn needs_frames(command: UiCommand) -> bool {
             | C::SelectTo
             | C::Export
     ) || command.scope() != Scope::Global
-}
-
-fn scope_of(step: Step) -> Scope {
-    match step {
-        Step::Object => Scope::Object,
-        Step::Masks => Scope::Masks,
-        Step::Template => Scope::Template,
-        Step::Hands => Scope::Hands,
-        Step::Retarget => Scope::Retarget,
-        Step::Composite => Scope::Composite,
-        Step::Review => Scope::Review,
-    }
-}
-
-fn step_of(scope: Scope) -> Step {
-    match scope {
-        Scope::Global | Scope::Object => Step::Object,
-        Scope::Masks => Step::Masks,
-        Scope::Template => Step::Template,
-        Scope::Hands => Step::Hands,
-        Scope::Retarget => Step::Retarget,
-        Scope::Composite => Step::Composite,
-        Scope::Review => Step::Review,
-    }
 }

@@ -71,7 +71,14 @@ impl Chip<'_> {
                 .size()
                 .x
         };
-        let glyph = if self.glyph.is_some() { 16.0 } else { 0.0 };
+        let alone = self.text.is_empty() && self.count.is_none();
+        let glyph = if self.glyph.is_none() {
+            0.0
+        } else if alone {
+            12.0
+        } else {
+            16.0
+        };
         let number = self.count.map_or(0.0, |count| width(&count.to_string(), Tokens::SMALL) + 4.0);
         vec2(8.0 + glyph + number + width(self.text, Tokens::TEXT) + 8.0, Tokens::ROW)
     }

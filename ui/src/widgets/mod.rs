@@ -10,7 +10,7 @@ mod keys;
 mod state_glyph;
 mod thumbnail;
 
-pub use availability::blocked;
+pub use availability::{blocked, blocked_in_its_step, command_step};
 pub use button::{
     IconButton, command_button, command_icon_button, command_menu_button, command_toggle, icon_button,
 };

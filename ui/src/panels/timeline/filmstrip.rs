@@ -1,6 +1,6 @@
 //! Small pictures along the clip; only those in sight are asked for.
 
-use agenticfocus::clip::FrameIndex;
+use agenticfocus::{clip::FrameIndex, geometry::Size};
 use egui::{Color32, CornerRadius, Rect, Ui, pos2};
 
 use super::Scale;
@@ -9,8 +9,27 @@ use crate::{
     widgets::Thumbnails,
 };
 
-/// Height that pictures are asked for with, pixels: sharp on a screen of one and a third pixels a point.
-const PICTURE_HEIGHT: u32 = 48;
+/// Height that pictures are asked for with, pixels: that of the picture under the pointer.
+const PICTURE_HEIGHT: u32 = 84;
+
+/// The picture of one frame in the flow of `ui`, larger than in the strip.
+pub(super) fn picture(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    thumbnails: &mut Thumbnails<u32>,
+    frame: FrameIndex,
+    size: Size,
+) {
+    let height = 84.0;
+    let width = (height * size.width as f32 / size.height.max(1) as f32).clamp(48.0, 160.0);
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(width, height), egui::Sense::hover());
+    ui.painter().rect_filled(rect, CornerRadius::same(2), cx.tokens.raised);
+    if let Some(picture) = cx.pictures.thumbnail(frame, PICTURE_HEIGHT) {
+        let texture = thumbnails.texture(ui.ctx(), frame.0, &picture);
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter().image(texture, rect, whole, Color32::WHITE);
+    }
+}
 
 /// Draws the filmstrip into `rect`.
 pub(super) fn paint(

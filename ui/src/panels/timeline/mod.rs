@@ -137,7 +137,8 @@ impl Timeline {
             return;
         }
         let Some(pointer) = response.interact_pointer_pos() else { return };
-        let frame = scale.frame_at(pointer.x);
+        // Beyond the ends the frame at the end is meant, else a zoomed view would run away.
+        let frame = scale.frame_at(pointer.x.clamp(scale.x.min, scale.x.max - 0.5));
         let selects = ui.input(|input| input.modifiers.contains(Modifiers::SHIFT));
         if selects || self.anchor.is_some() {
             let anchor = *self.anchor.get_or_insert(frame);
@@ -149,9 +150,9 @@ impl Timeline {
     }
 
     fn hover(
-        &self,
+        &mut self,
         ui: &Ui,
-        cx: &Context<'_>,
+        cx: &mut Context<'_>,
         workspace: &Workspace,
         response: Response,
         scale: &Scale,
@@ -163,9 +164,18 @@ impl Timeline {
         let frame = scale.frame_at(pointer.x);
         let stroke = egui::Stroke::new(1.0, cx.tokens.muted);
         ui.painter().vline(scale.middle(frame.0), rect.y_range(), stroke);
-        if !response.dragged() {
-            response.on_hover_ui_at_pointer(|ui| words::show(ui, cx.tokens, workspace, frame));
+        if response.dragged() {
+            return;
         }
+        response.on_hover_ui_at_pointer(|ui| {
+            ui.horizontal_top(|ui| {
+                ui.spacing_mut().item_spacing.x = 12.0;
+                if let Some(size) = workspace.size() {
+                    filmstrip::picture(ui, cx, &mut self.thumbnails, frame, size);
+                }
+                ui.vertical(|ui| words::show(ui, cx.tokens, workspace, frame));
+            });
+        });
     }
 }
 
