@@ -8,7 +8,7 @@ use agenticfocus::{
     inpaint::FrameCoverage,
     session::LayerOrder,
 };
-use egui::{Align, Button, Color32, ColorImage, Layout, Rect, RichText, Sense, Slider, Ui, pos2, vec2};
+use egui::{Button, Color32, ColorImage, Rect, RichText, Sense, Slider, Ui, pos2, vec2};
 
 use super::{
     edits::{LayerOrderChange, layer_order_on, with_layer_order, without_layer_order},
@@ -36,8 +36,8 @@ fn stack(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace, textures: &mu
     let layers = cx.pictures.composite(workspace.playhead, workspace.revision).map(|(layers, _)| layers);
     for (index, name) in NAMES.into_iter().enumerate() {
         ui.horizontal(|ui| {
-            ui.set_min_height(36.0);
-            let (place, _) = ui.allocate_exact_size(vec2(44.0, 33.0), Sense::hover());
+            ui.set_min_height(40.0);
+            let (place, _) = ui.allocate_exact_size(vec2(52.0, 39.0), Sense::hover());
             ui.painter().rect_filled(place, 2.0, cx.tokens.ground);
             if let Some(layers) = &layers {
                 thumbnail(ui, place, layers, index, textures);
@@ -48,18 +48,17 @@ fn stack(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace, textures: &mu
             if icon_button(ui, icon, &name_of_eye).clicked() {
                 shown = !shown;
             }
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.spacing_mut().slider_width = 56.0;
-                ui.spacing_mut().interact_size.x = 40.0;
+            ui.vertical(|ui| {
+                ui.spacing_mut().item_spacing.y = 0.0;
+                ui.spacing_mut().interact_size.y = 18.0;
+                ui.add(egui::Label::new(RichText::new(name).color(cx.tokens.text)).truncate());
+                ui.spacing_mut().slider_width = (ui.available_width() - 64.0).max(40.0);
                 let slider = Slider::new(&mut opacity, 0.0..=1.0)
                     .custom_formatter(|value, _| format!("{:.0} %", 100.0 * value))
                     .custom_parser(|text| {
                         Some(text.trim_end_matches('%').trim().parse::<f64>().ok()? / 100.0)
                     });
                 ui.add_enabled(shown, slider).accessible_name(format!("Opacity of {}", name.to_lowercase()));
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    ui.add(egui::Label::new(RichText::new(name).color(cx.tokens.text)).truncate());
-                });
             });
             *eye(cx, index) = LayerEye { shown, opacity };
         });

@@ -12,6 +12,7 @@ use super::{
     edits::without_swap,
     parts::{
         Edit, Parameter, Share, bar_of_shares, choice_button, fact, go_to_frame, hint, mark, section, sign,
+        unavailable,
     },
 };
 use crate::{
@@ -40,10 +41,11 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
             ui.horizontal_wrapped(|ui| {
                 command_button(ui, cx, UiCommand::SwapSides);
                 command_button(ui, cx, UiCommand::InvalidHand);
-                ui.add_enabled_ui(cx.options.selection.is_some(), |ui| {
-                    command_button(ui, cx, UiCommand::InterpolateHand)
-                        .on_disabled_hover_text("Select frames on the timeline first");
-                });
+                if cx.options.selection.is_some() {
+                    command_button(ui, cx, UiCommand::InterpolateHand);
+                } else {
+                    unavailable(ui, UiCommand::InterpolateHand, "Select frames on the timeline first");
+                }
                 command_button(ui, cx, UiCommand::ForgetHand);
             });
         });
@@ -165,7 +167,14 @@ fn edits(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
     if edits.is_empty() {
         return;
     }
-    hint(ui, cx.tokens, &format!("{} frames corrected by you", edits.len()));
+    hint(
+        ui,
+        cx.tokens,
+        &match edits.len() {
+            1 => "1 frame corrected by you".to_owned(),
+            count => format!("{count} frames corrected by you"),
+        },
+    );
     let frames: Vec<_> = edits.iter().collect();
     egui::ScrollArea::vertical().id_salt("hand_edits").max_height(96.0).auto_shrink([false, true]).show_rows(
         ui,
@@ -176,7 +185,10 @@ fn edits(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
                 let what = if edit.invalid {
                     "not usable".to_owned()
                 } else {
-                    format!("{} joints moved", edit.keypoints.len())
+                    match edit.keypoints.len() {
+                        1 => "1 joint moved".to_owned(),
+                        count => format!("{count} joints moved"),
+                    }
                 };
                 let width = ui.available_width();
                 go_to_frame(ui, cx, **frame, &what, width);

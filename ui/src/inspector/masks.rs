@@ -4,7 +4,7 @@ use agenticfocus::{clip::FrameIndex, segment::MaskAuthor, session::MaskLayer};
 use egui::{Checkbox, ProgressBar, RichText, ScrollArea, Ui};
 
 use super::{
-    parts::{choice_button, empty, fact, go_to_frame, hint, section, sign, tool_button},
+    parts::{choice_button, empty, fact, go_to_frame, hint, section, sign, tool_button, unavailable},
     words::{author_of_mask, reasons_of},
 };
 use crate::{
@@ -100,7 +100,11 @@ fn this_frame(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         ui.horizontal_wrapped(|ui| {
             command_button(ui, cx, UiCommand::Trust);
             command_button(ui, cx, UiCommand::Absent);
-            ui.add_enabled_ui(edited, |ui| command_button(ui, cx, UiCommand::ForgetMask));
+            if edited {
+                command_button(ui, cx, UiCommand::ForgetMask);
+            } else {
+                unavailable(ui, UiCommand::ForgetMask, "This frame is the machine's already");
+            }
         });
         ui.horizontal(|ui| {
             command_button(ui, cx, UiCommand::FillHoles);
@@ -116,9 +120,16 @@ fn propagate(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
     ui.add_enabled_ui(workspace.is_writable(), |ui| {
         let width = column(ui, 3);
         ui.horizontal(|ui| {
-            choice_button(ui, cx, UiCommand::PropagateBackward, "← Back", false, width);
+            choice_button(
+                ui,
+                cx,
+                UiCommand::PropagateBackward,
+                (Icon::Previous.atom(), "Back"),
+                false,
+                width,
+            );
             choice_button(ui, cx, UiCommand::PropagateBoth, "Both ways", false, width);
-            choice_button(ui, cx, UiCommand::PropagateForward, "Forward →", false, width);
+            choice_button(ui, cx, UiCommand::PropagateForward, ("Forward", Icon::Next.atom()), false, width);
         });
     });
     match &workspace.work {

@@ -89,7 +89,8 @@ impl Inspector {
 fn confirm(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace, step: Step) {
     ui.horizontal(|ui| {
         if workspace.step_state(step) == StepState::Confirmed {
-            parts::sign(ui, cx.tokens, Icon::Check, cx.tokens.accent, "Confirmed");
+            Icon::Check.show(ui, cx.tokens.accent);
+            ui.label(RichText::new("Confirmed").color(cx.tokens.text));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let button = egui::Button::new("Take back");
                 if ui.add_enabled(workspace.is_writable(), button).clicked() {

@@ -58,6 +58,7 @@ impl ObjectInspector {
         let mut text = self.task.clone().unwrap_or_else(|| kept.clone());
         let edit = egui::TextEdit::singleline(&mut text)
             .hint_text("What the hands do, in one sentence")
+            .align(egui::Align2::LEFT_CENTER)
             .desired_width(f32::INFINITY);
         let response = ui.add_enabled(workspace.is_writable(), edit).accessible_name("Task sentence");
         if response.changed() {
@@ -99,8 +100,10 @@ fn proposals(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace, textures:
     for card in cards {
         if show_card(ui, cx, &card, textures, workspace).clicked() {
             match card.state {
-                CardState::Chosen => cx.ask(Action::Seek(card.object.frame)),
-                _ => cx.ask(Action::Change(Command::SetObject(Some(card.object.clone())))),
+                CardState::Offered | CardState::InUse if workspace.is_writable() => {
+                    cx.ask(Action::Change(Command::SetObject(Some(card.object.clone()))));
+                }
+                _ => cx.ask(Action::Seek(card.object.frame)),
             }
         }
         ui.add_space(4.0);

@@ -1,11 +1,14 @@
 //! Buttons of the inspectors that the window's widgets do not have: of a given width, of a tool, of a frame.
 
 use agenticfocus::clip::FrameIndex;
-use egui::{Button, Response, RichText, Ui};
+use egui::{
+    Align2, Button, Label, Rect, Response, RichText, Sense, Ui, WidgetInfo, accesskit::Role, pos2, vec2,
+};
 
 use crate::{
     action::Action,
     state::Context,
+    theme::Tokens,
     ui_command::UiCommand,
     widgets::{blocked, key_text, tooltip_with_key},
 };
@@ -34,11 +37,11 @@ fn of_command(
 }
 
 /// A button of `command` with a shorter text, `width` wide, that shows whether it is in force.
-pub(in crate::inspector) fn choice_button(
+pub(in crate::inspector) fn choice_button<'a>(
     ui: &mut Ui,
     cx: &mut Context<'_>,
     command: UiCommand,
-    text: &str,
+    text: impl egui::IntoAtoms<'a>,
     chosen: bool,
     width: f32,
 ) -> Response {
@@ -81,7 +84,7 @@ pub(in crate::inspector) fn small_button(ui: &mut Ui, text: &str, name: &str) ->
     ui.add(Button::new(text)).accessible_name(name).on_hover_text(name)
 }
 
-/// A line that goes to a frame when it is clicked.
+/// A line that goes to a frame when it is clicked: its number, and what is to be seen there.
 pub(in crate::inspector) fn go_to_frame(
     ui: &mut Ui,
     cx: &mut Context<'_>,
@@ -90,18 +93,35 @@ pub(in crate::inspector) fn go_to_frame(
     width: f32,
 ) -> Response {
     let here = cx.workspace.is_some_and(|workspace| workspace.playhead == frame);
-    let number = RichText::new(frame.0.to_string()).monospace().color(cx.tokens.text);
-    let button = Button::selectable(here, (number, RichText::new(text).color(cx.tokens.muted)))
-        .min_size(egui::vec2(width, 24.0))
-        .truncate();
-    let layout = egui::Layout::left_to_right(egui::Align::Center).with_main_justify(false);
-    let response = ui
-        .allocate_ui_with_layout(egui::vec2(width, 24.0), layout, |ui| ui.add(button))
-        .inner
-        .accessible_name(format!("Go to frame {}: {text}", frame.0))
-        .on_hover_text(text);
+    let (row, response) = ui.allocate_exact_size(vec2(width, Tokens::ROW), Sense::click());
+    let (enabled, name) = (ui.is_enabled(), format!("Go to frame {}: {text}", frame.0));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, here, &name));
+    if ui.is_rect_visible(row) {
+        let tokens = cx.tokens;
+        let fill = match (here, response.hovered() || response.has_focus()) {
+            (true, _) => tokens.selected,
+            (false, true) => tokens.hovered,
+            (false, false) => egui::Color32::TRANSPARENT,
+        };
+        ui.painter().rect_filled(row, Tokens::RADIUS, fill);
+        // Numbers end in one column, so that the words beside them begin in one.
+        let numbers = pos2(row.left() + 36.0, row.center().y);
+        let number = frame.0.to_string();
+        ui.painter().text(numbers, Align2::RIGHT_CENTER, number, crate::theme::number_font(), tokens.text);
+        let words = Rect::from_min_max(pos2(row.left() + 48.0, row.top()), row.max - vec2(4.0, 0.0));
+        let label =
+            Label::new(RichText::new(text).color(tokens.muted)).truncate().show_tooltip_when_elided(false);
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        ui.new_child(egui::UiBuilder::new().max_rect(words).layout(layout)).add(label);
+    }
+    let response = response.on_hover_text(text);
     if response.clicked() {
         cx.ask(Action::Seek(frame));
     }
     response
+}
+
+/// The button of a command that makes no sense here, with the reason why.
+pub(in crate::inspector) fn unavailable(ui: &mut Ui, command: UiCommand, reason: &str) -> Response {
+    ui.add_enabled(false, Button::new(command.text())).on_disabled_hover_text(reason)
 }

@@ -44,9 +44,14 @@ impl Parameter<'_> {
         ui.horizontal(|ui| {
             ui.set_min_height(24.0);
             let label = Label::new(RichText::new(self.name).color(tokens.muted)).truncate();
-            let label = ui.add_sized(vec2(48.0, 20.0), label).on_hover_text(self.hint);
-            let field_width = 68.0;
-            ui.spacing_mut().slider_width = (ui.available_width() - field_width - 16.0 - 16.0).max(48.0);
+            let column = egui::Layout::left_to_right(egui::Align::Center);
+            let label = ui.allocate_ui_with_layout(vec2(48.0, 24.0), column, |ui| {
+                ui.set_width(48.0);
+                ui.add(label)
+            });
+            let label = label.inner.on_hover_text(self.hint);
+            let field_width = 76.0;
+            ui.spacing_mut().slider_width = (ui.available_width() - field_width - 12.0 - 16.0).max(48.0);
             let slider = Slider::new(&mut edited, self.range.clone())
                 .clamping(SliderClamping::Edits)
                 .show_value(false);
@@ -60,7 +65,7 @@ impl Parameter<'_> {
                 .max_decimals(self.decimals)
                 .suffix(self.unit)
                 .update_while_editing(false);
-            let field = ui.add_sized(vec2(field_width, 20.0), field);
+            let field = ui.add_sized(vec2(field_width, 24.0), field);
             let field = field.accessible_name(format!("{} value", self.name));
             result = self.edit(value, edited, &slider, &field);
             if self.reset_dot(ui, tokens, changed) {
@@ -86,7 +91,7 @@ impl Parameter<'_> {
     }
 
     fn reset_dot(&self, ui: &mut Ui, tokens: &Tokens, changed: bool) -> bool {
-        let size = vec2(16.0, 20.0);
+        let size = vec2(12.0, 24.0);
         if !changed {
             ui.allocate_space(size);
             return false;

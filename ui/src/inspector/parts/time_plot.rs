@@ -83,7 +83,8 @@ pub(in crate::inspector) fn time_plot<'a>(
         .x_axis_formatter(|mark, _| tidy(mark.value))
         .default_x_bounds(0.0, last.max(1) as f64)
         .set_margin_fraction(egui::vec2(0.0, 0.08))
-        .grid_spacing(24.0..=160.0)
+        .grid_spacing(16.0..=96.0)
+        .grid_color(tokens.line)
         .show(ui, |plot| {
             more(plot);
             for line in lines {

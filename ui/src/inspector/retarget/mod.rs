@@ -84,25 +84,30 @@ impl RetargetInspector {
             ("Margin", "Least distance of an arm joint to its limit, as a share of its range"),
             ("SPARC", "Smoothness of the wrist's speed: nearer to 0 is smoother"),
         ];
-        egui::Grid::new("numbers").num_columns(5).min_col_width(0.0).spacing(vec2(8.0, 2.0)).show(ui, |ui| {
-            ui.label("");
-            for (head, meaning) in heads {
-                ui.vertical(|ui| {
-                    ui.set_width(width);
-                    let text = RichText::new(head).size(11.0).color(cx.tokens.muted);
-                    ui.label(text).on_hover_text(meaning);
-                });
-            }
-            ui.end_row();
-            for (side, numbers) in numbers.iter() {
-                let (colour, letter) = mark_of(cx.tokens, side);
-                mark(ui, cx.tokens, colour, letter);
-                for text in texts_of(numbers) {
-                    ui.label(RichText::new(text).size(15.0).strong().color(cx.tokens.text));
+        egui::Grid::new("numbers")
+            .num_columns(5)
+            .min_col_width(0.0)
+            .min_row_height(16.0)
+            .spacing(vec2(8.0, 2.0))
+            .show(ui, |ui| {
+                ui.label("");
+                for (head, meaning) in heads {
+                    ui.vertical(|ui| {
+                        ui.set_width(width);
+                        let text = RichText::new(head).size(11.0).color(cx.tokens.muted);
+                        ui.label(text).on_hover_text(meaning);
+                    });
                 }
                 ui.end_row();
-            }
-        });
+                for (side, numbers) in numbers.iter() {
+                    let (colour, letter) = mark_of(cx.tokens, side);
+                    mark(ui, cx.tokens, colour, letter);
+                    for text in texts_of(numbers) {
+                        ui.label(RichText::new(text).size(15.0).strong().color(cx.tokens.text));
+                    }
+                    ui.end_row();
+                }
+            });
     }
 
     fn parameters(

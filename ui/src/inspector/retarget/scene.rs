@@ -52,7 +52,7 @@ pub(super) fn show(
         over.draw(cx, workspace, motion);
     }
     ui.painter().rect_stroke(place, 4.0, Stroke::new(1.0, cx.tokens.line), egui::StrokeKind::Inside);
-    hint(ui, cx.tokens, "Drag turns, wheel zooms, right drag shifts, double click resets");
+    hint(ui, cx.tokens, "Drag turns, wheel zooms, double click resets");
 }
 
 fn navigate(ui: &Ui, cx: &mut Context<'_>, place: Rect, response: &egui::Response) {

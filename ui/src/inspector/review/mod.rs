@@ -90,7 +90,10 @@ fn reasons(ui: &mut Ui, words: &mut Words) {
             }
         }
     });
-    let reason = TextEdit::singleline(&mut words.reason).hint_text("Reason").desired_width(f32::INFINITY);
+    let reason = TextEdit::singleline(&mut words.reason)
+        .hint_text("Reason")
+        .align(egui::Align2::LEFT_CENTER)
+        .desired_width(f32::INFINITY);
     ui.add(reason).accessible_name("Reason");
     let note = TextEdit::multiline(&mut words.note)
         .hint_text("Note, if there is more to say")

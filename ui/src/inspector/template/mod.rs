@@ -207,7 +207,7 @@ fn keyframes(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         });
     }
     let here: FrameIndex = workspace.playhead;
-    ui.add_enabled_ui(workspace.is_writable() && placements.contains_key(&here), |ui| {
+    if placements.contains_key(&here) {
         command_button(ui, cx, UiCommand::ForgetPlacement);
-    });
+    }
 }
