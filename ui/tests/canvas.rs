@@ -2,6 +2,8 @@
 
 mod support;
 
+use std::sync::Arc;
+
 use agenticfocus::{
     clip::FrameIndex,
     geometry::Pixel,
@@ -49,7 +51,13 @@ fn at(harness: &Harness<'_, Desk>, x: f64, y: f64) -> Pos2 {
     View::default().projection(rect, SIZE, 1.0).to_screen(Pixel::new(x, y))
 }
 
-fn button(harness: &Harness<'_, Desk>, pos: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers) {
+fn button(
+    harness: &Harness<'_, Desk>,
+    pos: Pos2,
+    button: PointerButton,
+    pressed: bool,
+    modifiers: Modifiers,
+) {
     harness.event(Event::PointerButton { pos, button, pressed, modifiers });
 }
 
@@ -91,7 +99,8 @@ fn a_drag_paints_the_strokes_footprint_and_asks_for_one_change() {
         paint::stroke(&mut expected, ends[0], ends[1], 9.0, true);
     }
     let actions = asked(&mut harness);
-    let [Action::ChangeMask { layer: MaskLayer::Object, frame: FrameIndex(22), mask }] = actions.as_slice() else {
+    let [Action::ChangeMask { layer: MaskLayer::Object, frame: FrameIndex(22), mask }] = actions.as_slice()
+    else {
         panic!("one change of a mask, not {actions:?}");
     };
     assert_eq!(*mask, expected);
@@ -187,7 +196,9 @@ fn a_box_drawn_around_the_object_becomes_the_choice() {
     let path = [at(&harness, 9.5, 19.5), at(&harness, 49.5, 59.5)];
     drag(&mut harness, &path, PointerButton::Primary, Modifiers::NONE);
     let actions = asked(&mut harness);
-    let [Action::Change(Command::SetObject(Some(choice)))] = actions.as_slice() else { panic!("{actions:?}") };
+    let [Action::Change(Command::SetObject(Some(choice)))] = actions.as_slice() else {
+        panic!("{actions:?}")
+    };
     let ObjectPromptKind::Box(found) = &choice.prompt else { panic!("{choice:?}") };
     let expected = [10.0, 20.0, 50.0, 60.0];
     for (found, expected) in [found.x0, found.y0, found.x1, found.y1].iter().zip(expected) {
@@ -220,7 +231,8 @@ fn dragging_the_template_moves_its_placement_and_keys_nudge_it() {
         let track = workspace.found.template.as_ref().unwrap();
         let transform = track.placements[22].as_ref().unwrap().transform;
         let size = track.picture.size();
-        let middle = transform * nalgebra::Vector3::new(f64::from(size.width) / 2.0, f64::from(size.height) / 2.0, 1.0);
+        let middle = transform
+            * nalgebra::Vector3::new(f64::from(size.width) / 2.0, f64::from(size.height) / 2.0, 1.0);
         (transform, (middle.x / middle.z, middle.y / middle.z))
     };
     let path = [at(&harness, middle.0, middle.1), at(&harness, middle.0 + 12.0, middle.1 - 6.0)];
@@ -274,6 +286,71 @@ fn every_step_looks_as_it_should() {
     }
 }
 
+/// Gives the robot wrists a little beside the human's, the right one out of reach.
+fn with_wrists(bench: &mut Bench) {
+    use agenticfocus::geometry::{Pose, Position, Side};
+    let found = &mut bench.workspace.as_mut().unwrap().found;
+    let hands = found.hands.clone().unwrap();
+    let motion = Arc::make_mut(found.motion.as_mut().unwrap());
+    let map = motion.map;
+    for side in Side::BOTH {
+        for (report, hand) in motion.sides[side].iter_mut().zip(&hands.hands[side]) {
+            let wanted = map.beta * (map.rotation * hand.wrist().xyz) + map.offset;
+            let short = if side == Side::Right { 0.04 } else { 0.0 };
+            let place = |xyz| Pose::from_parts(Position::new(xyz), nalgebra::UnitQuaternion::identity());
+            report.driven = true;
+            report.target = place(wanted);
+            report.reached = place(wanted - map.rotation * nalgebra::Vector3::new(short, 0.0, 0.0));
+            (report.error_position, report.reachable) = (short, side == Side::Left);
+        }
+    }
+}
+
+#[test]
+fn work_in_progress_looks_as_it_should() {
+    let mut harness = harness(Bench::new(Tokens::dark()), vec2(720.0, 560.0));
+    harness.state_mut().bench.options.step = Step::Masks;
+    harness.state_mut().bench.options.onion_skin = true;
+    harness.state_mut().bench.options.tool = Tool::Polygon;
+    harness.run();
+    for (x, y) in [(100.0, 40.0), (150.0, 50.0), (140.0, 90.0)] {
+        let corner = at(&harness, x, y);
+        drag(&mut harness, &[corner], PointerButton::Primary, Modifiers::NONE);
+    }
+    let place = at(&harness, 110.0, 80.0);
+    harness.hover_at(place);
+    harness.run();
+    harness.snapshot("canvas_polygon_dark");
+    assert!(perform(&mut harness, UiCommand::Eraser));
+    for _ in 0..8 {
+        perform(&mut harness, UiCommand::ZoomIn);
+    }
+    let middle = harness.get_by_label("Canvas").rect().center();
+    harness.hover_at(middle);
+    harness.run();
+    button(&harness, middle, PointerButton::Primary, true, Modifiers::NONE);
+    harness.hover_at(middle + vec2(60.0, 40.0));
+    harness.run();
+    harness.snapshot("canvas_eraser_dark");
+    assert!(perform(&mut harness, UiCommand::SelectNothing) && perform(&mut harness, UiCommand::Fit));
+    button(&harness, middle, PointerButton::Primary, false, Modifiers::NONE);
+    let Desk { bench, .. } = harness.state_mut();
+    with_wrists(bench);
+    bench.options.step = Step::Retarget;
+    harness.remove_cursor();
+    harness.run();
+    harness.snapshot("canvas_wrists_dark");
+    let bench = &mut harness.state_mut().bench;
+    bench.options.step = Step::Hands;
+    bench.workspace.as_mut().unwrap().playhead = FrameIndex(15);
+    let tip = bench.workspace.as_ref().unwrap().found.hands.as_ref().unwrap().hands.left[15].keypoints[11];
+    harness.run();
+    let tip = at(&harness, tip.x, tip.y);
+    harness.hover_at(tip);
+    harness.run();
+    harness.snapshot("canvas_joint_dark");
+}
+
 #[test]
 fn a_picture_that_cannot_be_had_is_explained() {
     use agenticfocus::engine::{PictureKind, PictureRequest, Revision};
@@ -287,4 +364,3 @@ fn a_picture_that_cannot_be_had_is_explained() {
     harness.get_by_label(words);
     harness.snapshot("canvas_fault_dark");
 }
-

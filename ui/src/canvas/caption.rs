@@ -6,11 +6,12 @@ use agenticfocus::{
 };
 
 use super::{
+    Freshness,
     scene::Scene,
     tools::{points::Points, template},
 };
 use crate::{
-    state::{Context, MaskOnFrame},
+    state::{Context, LayerEyes, MaskOnFrame},
     widgets::Icon,
 };
 
@@ -18,7 +19,12 @@ use crate::{
 pub(super) type Caption = (Option<Icon>, String);
 
 /// What is on screen. Points in progress say what is to be done with them.
-pub(super) fn caption(cx: &Context<'_>, scene: &Scene<'_>, points: Option<&Points>) -> Caption {
+pub(super) fn caption(
+    cx: &Context<'_>,
+    scene: &Scene<'_>,
+    points: Option<&Points>,
+    fresh: Freshness,
+) -> Caption {
     if let Some(points) = points {
         return (None, points.hint(scene));
     }
@@ -40,7 +46,18 @@ pub(super) fn caption(cx: &Context<'_>, scene: &Scene<'_>, points: Option<&Point
             (Some(Icon::Ring), "No motion yet".to_owned())
         }
         Step::Retarget => (None, "Rings are targets, dots the reached wrists".to_owned()),
-        Step::Composite | Step::Review => (None, String::new()),
+        Step::Composite | Step::Review => composite_caption(cx, fresh),
+    }
+}
+
+fn composite_caption(cx: &Context<'_>, fresh: Freshness) -> Caption {
+    let single = cx.options.eyes != LayerEyes::default();
+    match fresh {
+        Freshness::Missing => (Some(Icon::Ring), "No composite of this frame yet".to_owned()),
+        Freshness::Source => (None, "The frame as filmed".to_owned()),
+        Freshness::Old => (Some(Icon::HalfRing), "A newer picture is being made".to_owned()),
+        Freshness::Exact if single => (Some(Icon::Eye), "Single layers, not what is exported".to_owned()),
+        Freshness::Exact => (Some(Icon::Dot), "As it is exported, pixel for pixel".to_owned()),
     }
 }
 

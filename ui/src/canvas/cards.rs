@@ -77,14 +77,7 @@ fn empty(
 }
 
 /// A card over whatever lies below: something went wrong.
-fn framed(
-    ui: &mut Ui,
-    cx: &mut Context<'_>,
-    rect: Rect,
-    title: &str,
-    text: &str,
-    commands: &[UiCommand],
-) {
+fn framed(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect, title: &str, text: &str, commands: &[UiCommand]) {
     let width = WIDTH.min(rect.width() - 32.0).max(160.0);
     // Its height is known after it was drawn once; until then it is guessed.
     let id = ui.scope_id().with("canvas card");

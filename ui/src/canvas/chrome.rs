@@ -2,8 +2,8 @@
 
 use agenticfocus::session::{MaskLayer, Step};
 use egui::{
-    Align, Button, Label, Layout, Popup, PopupCloseBehavior, Rect, RichText, Stroke, Ui, UiBuilder, WidgetInfo,
-    accesskit::Role, vec2,
+    Align, Button, Label, Layout, Popup, PopupCloseBehavior, Rect, RichText, Stroke, Ui, UiBuilder,
+    WidgetInfo, accesskit::Role, vec2,
 };
 
 use super::{Eyes, STRIP, caption::Caption, scene::Scene, tools::object::ObjectTool};
@@ -70,11 +70,18 @@ fn command(ui: &mut Ui, cx: &mut Context<'_>, (command, on): (UiCommand, Option<
 }
 
 /// The step's tools at the left, what is on screen at the right.
-pub(super) fn tool_strip(ui: &mut Ui, cx: &mut Context<'_>, object: ObjectTool, (icon, text): Caption, whole: Rect) {
+pub(super) fn tool_strip(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    object: ObjectTool,
+    (icon, text): Caption,
+    whole: Rect,
+) {
     let strip = Rect::from_min_size(whole.min, vec2(whole.width(), STRIP));
     ui.painter().rect_filled(strip, 0.0, cx.tokens.panel);
     ui.painter().hline(strip.x_range(), strip.max.y - 0.5, Stroke::new(1.0, cx.tokens.line));
-    let builder = UiBuilder::new().max_rect(strip.shrink2(vec2(8.0, 4.0))).layout(Layout::left_to_right(Align::Center));
+    let builder =
+        UiBuilder::new().max_rect(strip.shrink2(vec2(8.0, 4.0))).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
         ui.set_clip_rect(strip);
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -111,13 +118,15 @@ pub(super) fn view_strip(ui: &mut Ui, cx: &mut Context<'_>, scene: &Scene<'_>, e
     let strip = Rect::from_min_max(whole.max - vec2(whole.width(), STRIP), whole.max);
     ui.painter().rect_filled(strip, 0.0, cx.tokens.panel);
     ui.painter().hline(strip.x_range(), strip.min.y + 0.5, Stroke::new(1.0, cx.tokens.line));
-    let builder = UiBuilder::new().max_rect(strip.shrink2(vec2(8.0, 4.0))).layout(Layout::left_to_right(Align::Center));
+    let builder =
+        UiBuilder::new().max_rect(strip.shrink2(vec2(8.0, 4.0))).layout(Layout::left_to_right(Align::Center));
     ui.scope_builder(builder, |ui| {
         ui.set_clip_rect(strip);
         ui.spacing_mut().interact_size.y = Tokens::ROW;
         let place = scene.hover.map(|at| scene.pixel(at));
         let (width, height) = (f64::from(scene.size().width), f64::from(scene.size().height));
-        let inside = place.filter(|at| at.x >= -0.5 && at.y >= -0.5 && at.x < width - 0.5 && at.y < height - 0.5);
+        let inside =
+            place.filter(|at| at.x >= -0.5 && at.y >= -0.5 && at.x < width - 0.5 && at.y < height - 0.5);
         let text = match inside {
             Some(at) => format!("x {:.0}  y {:.0}", at.x, at.y),
             None => format!("{} px", scene.size()),

@@ -19,9 +19,9 @@ pub(super) fn pointer_events(ui: &Ui, response: &Response) -> Vec<PointerEvent> 
     let here = response.hovered() || response.is_pointer_button_down_on();
     let read = |event: &Event| match *event {
         Event::PointerMoved(at) => Some(PointerEvent::Move(at)),
-        Event::PointerButton { pos, button, pressed: true, modifiers } => {
-            (here && response.rect.contains(pos)).then_some(PointerEvent::Press { at: pos, button, modifiers })
-        }
+        Event::PointerButton { pos, button, pressed: true, modifiers } => (here
+            && response.rect.contains(pos))
+        .then_some(PointerEvent::Press { at: pos, button, modifiers }),
         Event::PointerButton { pos, button, pressed: false, .. } => {
             Some(PointerEvent::Release { at: pos, button })
         }

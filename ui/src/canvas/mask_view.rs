@@ -33,7 +33,8 @@ pub(super) struct SideSplit {
 impl SideSplit {
     pub fn new(left: &RleMask, right: &RleMask) -> Self {
         let (left, right) = (left.decode(), right.decode());
-        let middle = |mask: &Mask| Area::of(mask).map(|a| [a.x0 + a.x1, a.y0 + a.y1].map(|v| f64::from(v) / 2.0));
+        let middle =
+            |mask: &Mask| Area::of(mask).map(|a| [a.x0 + a.x1, a.y0 + a.y1].map(|v| f64::from(v) / 2.0));
         let middles = [middle(&left), middle(&right)];
         Self { left, right, middles }
     }
@@ -170,9 +171,11 @@ impl MaskView {
         let Some(area) = area else { return };
         let mut colours = Vec::with_capacity(area.width() * area.height());
         for y in area.y0..area.y1 {
-            colours.extend((area.x0..area.x1).map(|x| {
-                if self.pixels.get(x, y) { self.colouring.at(x, y) } else { Color32::TRANSPARENT }
-            }));
+            colours.extend(
+                (area.x0..area.x1).map(|x| {
+                    if self.pixels.get(x, y) { self.colouring.at(x, y) } else { Color32::TRANSPARENT }
+                }),
+            );
         }
         let image = ColorImage::new([area.width(), area.height()], colours);
         self.texture.write_part([area.x0 as usize, area.y0 as usize], image);

@@ -28,8 +28,8 @@ use self::{
     scene::Scene,
     source_view::{Patience, SourceView},
     tools::{
-        composite::CompositeView, hands::HandTools, masks::MaskTools, object::ObjectTools, template::TemplateTools,
-        wrists,
+        composite::CompositeView, hands::HandTools, masks::MaskTools, object::ObjectTools,
+        template::TemplateTools, wrists,
     },
 };
 use crate::state::{BeforeAfter, Context, Workspace};
@@ -50,6 +50,7 @@ pub struct Canvas {
     source: SourceView,
     composite: CompositeView,
     composite_patience: Patience,
+    fresh: Freshness,
     masks: MaskTools,
     object: ObjectTools,
     template: TemplateTools,
@@ -63,6 +64,20 @@ pub struct Canvas {
     last: Option<(Rect, Projection)>,
     /// The session that was shown last.
     session: Option<PathBuf>,
+}
+
+/// What is shown where the composite belongs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Freshness {
+    /// Nothing was made yet (default).
+    #[default]
+    Missing,
+    /// The source was asked for.
+    Source,
+    /// The composite of another frame or document.
+    Old,
+    /// The composite of this frame and document.
+    Exact,
 }
 
 /// Which masks are shown beside the edited one.
@@ -116,6 +131,7 @@ impl Canvas {
             rect,
             events,
             hover: response.hover_pos().filter(|_| self.panning.is_none()),
+            shift: ui.input(|input| input.modifiers.shift),
             hidden: cx.options.masks_hidden || (peeking && !ui.ctx().egui_wants_keyboard_input()),
         };
         self.draw(&scene, cx);
@@ -124,7 +140,7 @@ impl Canvas {
             Step::Masks => self.masks.points.as_ref(),
             _ => None,
         };
-        let caption = caption::caption(cx, &scene, points);
+        let caption = caption::caption(cx, &scene, points, self.fresh);
         chrome::tool_strip(ui, cx, self.object.tool, caption, whole);
         chrome::view_strip(ui, cx, &scene, &mut self.eyes, whole);
         cards::fault(ui, cx, &scene);
@@ -188,7 +204,9 @@ impl Canvas {
                     }
                     self.panning = Some((button, at));
                 }
-                (PointerEvent::Release { button, .. }, Some((held, _))) if held == button => self.panning = None,
+                (PointerEvent::Release { button, .. }, Some((held, _))) if held == button => {
+                    self.panning = None
+                }
                 (_, Some(_)) => {}
                 (event, None) => left.push(event),
             }
@@ -203,7 +221,7 @@ impl Canvas {
 
     fn draw(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
         let sharp = scene.projection.zoom >= SQUARE_PIXELS;
-        let here = self.source.draw(scene.frame, sharp, scene, cx.pictures);
+        let here = self.source.draw(sharp, scene, cx);
         if !here {
             // The picture's place, so that nothing jumps when it comes.
             scene.painter.rect_filled(scene.projection.picture_rect(), 0.0, cx.tokens.raised);
@@ -230,13 +248,17 @@ impl Canvas {
 
     fn draw_composite(&mut self, sharp: bool, scene: &Scene<'_>, cx: &mut Context<'_>) {
         if cx.options.before_after == BeforeAfter::Before && cx.options.step != Step::Retarget {
+            self.fresh = Freshness::Source;
             return;
         }
-        let Some((layers, exact)) = cx.pictures.composite(scene.frame, scene.workspace.revision) else { return };
-        let strength = self.composite_patience.strength(exact, scene);
-        if fits(&layers, scene) {
-            self.composite.draw(&layers, strength, sharp, scene, cx);
-        }
+        let found = cx.pictures.composite(scene.frame, scene.workspace.revision);
+        let Some((layers, exact)) = found.filter(|(layers, _)| fits(layers, scene)) else {
+            self.fresh = Freshness::Missing;
+            return;
+        };
+        self.fresh = if exact { Freshness::Exact } else { Freshness::Old };
+        let strength = self.composite_patience.strength(exact, cx.options.playing, scene);
+        self.composite.draw(&layers, strength, sharp, scene, cx);
     }
 }
 

@@ -34,12 +34,13 @@ impl OnionSkin {
         let frame = scene.frame.0;
         let frames = [frame.checked_sub(1), frame.checked_add(1)].map(|frame| frame.map(FrameIndex));
         for (at, (kept, frame)) in self.neighbours.iter_mut().zip(frames).enumerate() {
-            let Some((frame, on)) = frame.and_then(|frame| Some((frame, scene.workspace.mask(layer, frame)?)))
+            let Some((frame, on)) =
+                frame.and_then(|frame| Some((frame, scene.workspace.mask(layer, frame)?)))
             else {
                 *kept = None;
                 continue;
             };
-            if !kept.as_ref().is_some_and(|kept| kept.frame == frame && kept.mask == on.mask) {
+            if kept.as_ref().is_none_or(|kept| kept.frame != frame || kept.mask != on.mask) {
                 let lines = outline(&on.mask.decode());
                 *kept = Some(Neighbour { frame, mask: on.mask, lines });
             }

@@ -23,6 +23,8 @@ pub(super) struct Scene<'a> {
     pub events: Vec<PointerEvent>,
     /// Where the pointer is, if it is over the canvas and over nothing else.
     pub hover: Option<Pos2>,
+    /// Shift is held: tools do the opposite.
+    pub shift: bool,
     /// Masks are not to be seen now.
     pub hidden: bool,
 }

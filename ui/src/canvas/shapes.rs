@@ -1,5 +1,7 @@
 //! Lines, badges and handles over the picture.
 
+use std::sync::Arc;
+
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
 use super::view::Projection;
@@ -70,7 +72,7 @@ fn edge(mesh: &mut Mesh, a: Pos2, b: Pos2, style: LineStyle, travelled: f32) {
         return;
     }
     let (length, period) = ((b - a).length(), DASH.0 + DASH.1);
-    if !(length > 0.0) {
+    if length <= 0.0 {
         return;
     }
     let direction = (b - a) / length;
@@ -142,22 +144,39 @@ pub(super) fn badge_with(
     text: &str,
     mark: Color32,
 ) -> Rect {
-    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(Tokens::SMALL), tokens.text);
-    let indent = if icon.is_some() { 16.0 } else { 0.0 };
-    let size = galley.size() + vec2(17.0 + indent, 6.0);
-    let clip = painter.clip_rect();
-    let corner = pos2(at.x, at.y - size.y);
-    let corner = corner.clamp(clip.min, (clip.max - size).max(clip.min));
-    let rect = Rect::from_min_size(corner, size);
+    let rect = badge_rect(painter, tokens, at, icon, text);
     painter.rect_filled(rect, Tokens::RADIUS, tokens.panel.gamma_multiply(0.92));
-    let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(3.0, size.y - 8.0));
+    let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(3.0, rect.height() - 8.0));
     painter.rect_filled(bar, 1.5, mark);
     if let Some(icon) = icon {
         let middle = pos2(rect.min.x + 17.0, rect.center().y);
         icon.paint(painter, Rect::from_center_size(middle, Vec2::splat(12.0)), tokens.text);
     }
-    painter.galley(rect.min + vec2(11.0 + indent, 3.0), galley, tokens.text);
+    let galley = words(painter, tokens, text);
+    painter.galley(rect.min + vec2(11.0 + indent(icon), 3.0), galley, tokens.text);
     rect
+}
+
+/// Where such a badge would be.
+pub(super) fn badge_rect(
+    painter: &Painter,
+    tokens: &Tokens,
+    at: Pos2,
+    icon: Option<Icon>,
+    text: &str,
+) -> Rect {
+    let size = words(painter, tokens, text).size() + vec2(17.0 + indent(icon), 6.0);
+    let clip = painter.clip_rect();
+    let corner = pos2(at.x, at.y - size.y).clamp(clip.min, (clip.max - size).max(clip.min));
+    Rect::from_min_size(corner, size)
+}
+
+fn indent(icon: Option<Icon>) -> f32 {
+    if icon.is_some() { 16.0 } else { 0.0 }
+}
+
+fn words(painter: &Painter, tokens: &Tokens, text: &str) -> Arc<egui::Galley> {
+    painter.layout_no_wrap(text.to_owned(), FontId::proportional(Tokens::SMALL), tokens.text)
 }
 
 /// A plus or a minus where somebody clicked.

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use agenticfocus::{clip::FrameIndex, image::Rgb8};
+use agenticfocus::image::Rgb8;
 use egui::{Color32, ColorImage, Pos2, Rect, pos2};
 
 use super::{scene::Scene, texture::Texture};
-use crate::state::Pictures;
+use crate::state::Context;
 
 /// Seconds after which a picture that is not the right one is dimmed: any sooner it would flicker while playing.
 const PATIENCE: f64 = 0.15;
@@ -20,9 +20,10 @@ pub(super) struct Patience {
 }
 
 impl Patience {
-    /// How bright to draw what is here: 1 when it is the right thing or the wait is short.
-    pub fn strength(&mut self, right: bool, scene: &Scene<'_>) -> f32 {
-        if right {
+    /// How bright to draw what is here: 1 when it is the right thing or the wait is short. While the clip plays,
+    /// pictures are always about to come.
+    pub fn strength(&mut self, right: bool, playing: bool, scene: &Scene<'_>) -> f32 {
+        if right || playing {
             self.since = None;
             return 1.0;
         }
@@ -47,10 +48,10 @@ pub(super) struct SourceView {
 
 impl SourceView {
     /// Draws the frame, or the nearest one there is while it is awaited; false when there is none at all.
-    pub fn draw(&mut self, frame: FrameIndex, nearest: bool, scene: &Scene<'_>, pictures: &mut Pictures) -> bool {
-        let right = pictures.source(frame);
-        let strength = self.patience.strength(right.is_some(), scene);
-        if let Some(picture) = right.or_else(|| pictures.nearest_source(frame)) {
+    pub fn draw(&mut self, nearest: bool, scene: &Scene<'_>, cx: &mut Context<'_>) -> bool {
+        let right = cx.pictures.source(scene.frame);
+        let strength = self.patience.strength(right.is_some(), cx.options.playing, scene);
+        if let Some(picture) = right.or_else(|| cx.pictures.nearest_source(scene.frame)) {
             let same = self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &picture));
             if !same || self.texture.is_nearest() != nearest {
                 let size = [picture.size().width as usize, picture.size().height as usize];

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use agenticfocus::{engine::Layers, image::Rgba8};
-use egui::{Align2, Color32, ColorImage, Context as EguiContext, CursorIcon, PointerButton, Pos2, Rect, Stroke, pos2, vec2};
+use egui::{
+    Align2, Color32, ColorImage, Context as EguiContext, CursorIcon, PointerButton, Pos2, Rect, Stroke, pos2,
+    vec2,
+};
 
 use super::super::{input::PointerEvent, scene::Scene, shapes, texture::Texture};
 use crate::state::{BeforeAfter, Context, LayerEye, LayerEyes};
@@ -33,7 +36,14 @@ enum Kind {
 impl CompositeView {
     /// Draws the composite over the source that is drawn already; `strength` below 1 says that it is not the one
     /// for this frame and document.
-    pub fn draw(&mut self, layers: &Arc<Layers>, strength: f32, nearest: bool, scene: &Scene<'_>, cx: &Context<'_>) {
+    pub fn draw(
+        &mut self,
+        layers: &Arc<Layers>,
+        strength: f32,
+        nearest: bool,
+        scene: &Scene<'_>,
+        cx: &Context<'_>,
+    ) {
         let kind = if cx.options.eyes == LayerEyes::default() { Kind::Whole } else { Kind::Stack };
         self.upload(scene.painter.ctx(), layers, kind, nearest);
         let picture = scene.projection.picture_rect();
@@ -53,6 +63,9 @@ impl CompositeView {
                 painter.image(id, picture, whole, tint);
             }
         };
+        if strength < 1.0 {
+            painter.rect_filled(picture, 0.0, cx.tokens.ground);
+        }
         if kind == Kind::Whole {
             draw(&self.whole, LayerEye::default());
             return;
@@ -86,7 +99,10 @@ impl CompositeView {
         let image = ColorImage::from_rgb(size, layers.background.data());
         self.background.write(context, "background", image, nearest);
         let straight = |picture: &Rgba8| {
-            ColorImage::from_rgba_unmultiplied(extent(picture.size().width, picture.size().height), picture.data())
+            ColorImage::from_rgba_unmultiplied(
+                extent(picture.size().width, picture.size().height),
+                picture.data(),
+            )
         };
         self.robot.write(context, "robot", straight(&layers.robot), nearest);
         if let Some(object) = &layers.object {
@@ -139,15 +155,25 @@ fn draw_wipe(scene: &Scene<'_>, cx: &Context<'_>, picture: Rect, line: f32) {
     painter.vline(line, visible.y_range(), Stroke::new(4.0, shapes::rim_colour()));
     painter.vline(line, visible.y_range(), Stroke::new(2.0, Color32::WHITE));
     let grip = Rect::from_center_size(pos2(line, visible.center().y), vec2(20.0, 36.0));
-    painter.rect(grip, 4.0, Color32::WHITE, Stroke::new(1.0, shapes::rim_colour()), egui::StrokeKind::Outside);
+    painter.rect(
+        grip,
+        4.0,
+        Color32::WHITE,
+        Stroke::new(1.0, shapes::rim_colour()),
+        egui::StrokeKind::Outside,
+    );
     for x in [-3.0, 3.0] {
         let middle = grip.center() + vec2(x, 0.0);
-        painter.line_segment([middle - vec2(0.0, 8.0), middle + vec2(0.0, 8.0)], Stroke::new(2.0, Color32::GRAY));
+        painter.line_segment(
+            [middle - vec2(0.0, 8.0), middle + vec2(0.0, 8.0)],
+            Stroke::new(2.0, Color32::GRAY),
+        );
     }
     let sides = [(-10.0, Align2::RIGHT_TOP, "source"), (10.0, Align2::LEFT_TOP, "composite")];
     for (x, align, text) in sides {
         let at = pos2(line + x, visible.min.y + 10.0);
-        let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(11.0), cx.tokens.text);
+        let galley =
+            painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(11.0), cx.tokens.text);
         let rect = align.anchor_size(at, galley.size());
         painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 4.0, cx.tokens.panel.gamma_multiply(0.9));
         painter.galley(rect.min, galley, cx.tokens.text);

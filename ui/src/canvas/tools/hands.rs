@@ -146,7 +146,11 @@ fn joint_name(joint: usize) -> String {
         return "wrist".to_owned();
     }
     let finger = FINGERS.get((joint - 1) / 4).copied().unwrap_or_default();
-    if keypoint::TIPS.contains(&joint) { format!("{finger} tip") } else { format!("{finger}, joint {}", (joint - 1) % 4 + 1) }
+    if keypoint::TIPS.contains(&joint) {
+        format!("{finger} tip")
+    } else {
+        format!("{finger}, joint {}", (joint - 1) % 4 + 1)
+    }
 }
 
 /// The hands on the frame: as fitted, else as the estimator saw them, with what a person placed.
@@ -206,7 +210,13 @@ fn draw_hand(hand: &ShownHand, lit: Option<usize>, meant: bool, scene: &Scene<'_
     }
     for (joint, place) in at.iter().enumerate() {
         let in_chain = lit == Some(joint);
-        let radius = if in_chain { 6.0 } else if joint == keypoint::WRIST { 4.5 } else { 3.5 };
+        let radius = if in_chain {
+            6.0
+        } else if joint == keypoint::WRIST {
+            4.5
+        } else {
+            3.5
+        };
         match hand.state {
             // An invalid hand's joints are hollow, so that colour and dashes do not stand alone.
             HandState::Invalid => {

@@ -9,7 +9,7 @@ use agenticfocus::{
     segment::RleMask,
     session::MaskLayer,
 };
-use egui::{Modifiers, PointerButton, Pos2, Stroke};
+use egui::{Color32, CursorIcon, Modifiers, PointerButton, Pos2, Stroke, vec2};
 
 use super::{
     super::{
@@ -109,7 +109,8 @@ impl MaskTools {
             let stroke = self.edit.as_ref().is_some_and(|edit| matches!(edit.work, Work::Stroke { .. }));
             if stroke { self.keep(cx) } else { self.drop_edit() }
         }
-        let elsewhere = |points: &Points| points.frame != scene.frame || points.layer != cx.options.mask_layer;
+        let elsewhere =
+            |points: &Points| points.frame != scene.frame || points.layer != cx.options.mask_layer;
         if self.points.as_ref().is_some_and(elsewhere) {
             self.points = None;
         }
@@ -145,7 +146,7 @@ impl MaskTools {
             return Colouring::One(one);
         };
         let key = (scene.frame, Arc::as_ptr(arms) as usize);
-        if !self.split.as_ref().is_some_and(|(frame, track, _)| (*frame, *track) == key) {
+        if self.split.as_ref().is_none_or(|(frame, track, _)| (*frame, *track) != key) {
             let sides = [&arms.sides.left, &arms.sides.right].map(|side| side.get(at));
             if let [Some(left), Some(right)] = sides {
                 self.split = Some((key.0, key.1, Arc::new(SideSplit::new(left, right))));
@@ -260,7 +261,9 @@ impl MaskTools {
 
     /// Moves the brush to `pixel`.
     fn dab(&mut self, pixel: Pixel, scene: &Scene<'_>, cx: &Context<'_>) {
-        let Some(Edit { layer, work: Work::Stroke { last, adding, .. }, .. }) = &mut self.edit else { return };
+        let Some(Edit { layer, work: Work::Stroke { last, adding, .. }, .. }) = &mut self.edit else {
+            return;
+        };
         let (layer, from, adding) = (*layer, std::mem::replace(last, pixel), *adding);
         let radius = f64::from(cx.options.brush_radius);
         let context = scene.painter.ctx().clone();
@@ -373,13 +376,34 @@ impl MaskTools {
         if let Some(Edit { work: Work::Shape { shape, .. }, .. }) = &self.edit {
             shape.draw(scene, colour);
         }
-        let brushes = matches!(cx.options.tool, Tool::Brush | Tool::Eraser);
-        if let Some(at) = scene.hover.filter(|_| brushes && scene.is_writable()) {
-            // A dark and a light ring: one of them is seen on every picture.
-            let radius = cx.options.brush_radius * scene.projection.scale;
-            scene.painter.circle_stroke(at, radius, Stroke::new(3.0, shapes::rim_colour()));
-            let ring = if cx.options.tool == Tool::Brush { egui::Color32::WHITE } else { cx.tokens.hole };
-            scene.painter.circle_stroke(at, radius, Stroke::new(1.5, ring));
+        self.draw_pointer(scene, cx);
+    }
+
+    /// The brush's footprint, or a cross for other tools.
+    fn draw_pointer(&self, scene: &Scene<'_>, cx: &Context<'_>) {
+        let Some(at) = scene.hover else { return };
+        let context = scene.painter.ctx();
+        if !scene.is_writable() {
+            context.set_cursor_icon(CursorIcon::NotAllowed);
+            return;
+        }
+        context.set_cursor_icon(CursorIcon::Crosshair);
+        if !matches!(cx.options.tool, Tool::Brush | Tool::Eraser) {
+            return;
+        }
+        let adding = match &self.edit {
+            Some(Edit { work: Work::Stroke { adding, .. }, .. }) => *adding,
+            _ => (cx.options.tool == Tool::Brush) != scene.shift,
+        };
+        // A dark and a light ring: one of them is seen on every picture.
+        let radius = cx.options.brush_radius * scene.projection.scale;
+        scene.painter.circle_stroke(at, radius, Stroke::new(3.0, shapes::rim_colour()));
+        scene.painter.circle_stroke(at, radius, Stroke::new(1.5, Color32::WHITE));
+        if !adding {
+            // Taking away is a ring with a bar, whatever its colour looks like.
+            let bar = [at - vec2(4.0, 0.0), at + vec2(4.0, 0.0)];
+            scene.painter.line_segment(bar, Stroke::new(4.0, shapes::rim_colour()));
+            scene.painter.line_segment(bar, Stroke::new(2.0, Color32::WHITE));
         }
     }
 

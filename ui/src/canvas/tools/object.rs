@@ -4,7 +4,7 @@ use agenticfocus::{
     geometry::PixelBox,
     session::{Author, Command, MaskLayer, ObjectChoice, ObjectPromptKind, ObjectProposal},
 };
-use egui::{PointerButton, Pos2, Rect};
+use egui::{Color32, PointerButton, Pos2, Rect, vec2};
 
 use super::{
     super::{
@@ -21,13 +21,8 @@ use crate::{action::Action, state::Context, ui_command::UiCommand, widgets::Icon
 /// A drag shorter than this is a click, points.
 const CLICK: f32 = 4.0;
 /// Commands that take a proposal, in order.
-const CHOOSE: [UiCommand; 5] = [
-    UiCommand::Choose1,
-    UiCommand::Choose2,
-    UiCommand::Choose3,
-    UiCommand::Choose4,
-    UiCommand::Choose5,
-];
+const CHOOSE: [UiCommand; 5] =
+    [UiCommand::Choose1, UiCommand::Choose2, UiCommand::Choose3, UiCommand::Choose4, UiCommand::Choose5];
 
 /// What a press on the picture means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -226,38 +221,52 @@ fn draw_proposals(scene: &Scene<'_>, cx: &Context<'_>) {
         chosen.is_some_and(|chosen| chosen.prompt == proposal.prompt && chosen.frame == proposal.frame)
     };
     let hovered = scene.hover.and_then(|at| proposal_at(scene, at));
-    // The worst first, so that the best lies on top.
-    for (at, proposal) in document.proposals.iter().enumerate().rev() {
-        if !is_chosen(proposal) {
-            let lit = hovered == Some(at);
-            draw_proposal(scene, cx, proposal, &format!("{}", at + 1), lit, false);
-        }
-    }
+    let mut badges = Vec::new();
     if let Some(chosen) = chosen {
         let number = document.proposals.iter().position(is_chosen).map(|at| format!("{}", at + 1));
-        draw_proposal(scene, cx, chosen, number.as_deref().unwrap_or_default(), false, true);
+        badges.push(Badge { proposal: chosen, number: number.unwrap_or_default(), lit: false, chosen: true });
+    }
+    for (at, proposal) in document.proposals.iter().enumerate() {
+        if !is_chosen(proposal) {
+            let lit = hovered == Some(at);
+            badges.push(Badge { proposal, number: format!("{}", at + 1), lit, chosen: false });
+        }
+    }
+    // The best lies on top, and gets the best place for its words.
+    let mut taken = Vec::new();
+    for badge in badges.iter().rev() {
+        draw_extent(scene, cx, badge);
+    }
+    for badge in &badges {
+        draw_words(scene, cx, badge, &mut taken);
     }
 }
 
-fn draw_proposal(
-    scene: &Scene<'_>,
-    cx: &Context<'_>,
-    proposal: &ObjectProposal,
-    mark: &str,
+/// A proposal with what is said about it.
+struct Badge<'a> {
+    proposal: &'a ObjectProposal,
+    number: String,
     lit: bool,
     chosen: bool,
-) {
-    let Some(rect) = on_screen(scene, &proposal.prompt) else { return };
-    let colour = if chosen { cx.tokens.object } else { cx.tokens.accent };
-    let width = if chosen || lit { 3.0 } else { 1.5 };
+}
+
+impl Badge<'_> {
+    fn colour(&self, cx: &Context<'_>) -> Color32 {
+        if self.chosen { cx.tokens.object } else { cx.tokens.accent }
+    }
+}
+
+fn draw_extent(scene: &Scene<'_>, cx: &Context<'_>, badge: &Badge<'_>) {
+    let Some(rect) = on_screen(scene, &badge.proposal.prompt) else { return };
+    let colour = badge.colour(cx);
+    let width = if badge.chosen || badge.lit { 3.0 } else { 1.5 };
     // Where the thing lies on another frame is a hint only.
-    let here = proposal.frame == scene.frame;
-    let style = LineStyle { width, colour, dashed: !here };
-    if lit {
+    let style = LineStyle { width, colour, dashed: badge.proposal.frame != scene.frame };
+    if badge.lit {
         scene.painter.rect_filled(rect, 0.0, colour.gamma_multiply(0.15));
     }
     shapes::rimmed_line(&scene.painter, &shapes::corners(rect), true, style);
-    if let ObjectPromptKind::Points { positive, negative } = &proposal.prompt {
+    if let ObjectPromptKind::Points { positive, negative } = &badge.proposal.prompt {
         for (list, positive) in [(positive, true), (negative, false)] {
             for point in list {
                 let at = scene.projection.to_screen(*point);
@@ -265,11 +274,24 @@ fn draw_proposal(
             }
         }
     }
-    let mut text = format!("{mark}  {}  {:.0} %", proposal.label, proposal.confidence * 100.0).trim().to_owned();
-    if !here {
+}
+
+/// Words above the box, or below it where others are in the way.
+fn draw_words(scene: &Scene<'_>, cx: &Context<'_>, badge: &Badge<'_>, taken: &mut Vec<Rect>) {
+    let Some(rect) = on_screen(scene, &badge.proposal.prompt) else { return };
+    let Badge { proposal, number, .. } = badge;
+    let mut text = format!("{number}  {}  {:.0} %", proposal.label, proposal.confidence * 100.0);
+    if proposal.frame != scene.frame {
         text.push_str(&format!("  on {}", proposal.frame));
     }
-    let at = rect.left_top() - egui::vec2(1.0, 3.0);
-    let icon = chosen.then_some(Icon::Check);
-    shapes::badge_with(&scene.painter, cx.tokens, at, icon, &text, colour);
+    let text = text.trim_start();
+    let icon = badge.chosen.then_some(Icon::Check);
+    let places = [rect.left_top() - vec2(1.0, 3.0), rect.left_bottom() + vec2(-1.0, 23.0)];
+    let free = |at: &egui::Pos2| {
+        let place = shapes::badge_rect(&scene.painter, cx.tokens, *at, icon, text);
+        !taken.iter().any(|other| other.intersects(place))
+    };
+    let at = places.iter().copied().find(free).unwrap_or(places[0]);
+    let place = shapes::badge_with(&scene.painter, cx.tokens, at, icon, text, badge.colour(cx));
+    taken.push(place);
 }

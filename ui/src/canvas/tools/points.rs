@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use agenticfocus::{clip::FrameIndex, engine::Request, geometry::Pixel, segment::RleMask, session::MaskLayer};
+use agenticfocus::{
+    clip::FrameIndex, engine::Request, geometry::Pixel, segment::RleMask, session::MaskLayer,
+};
 
 use super::super::{scene::Scene, shapes};
 use crate::{action::Action, state::Context};

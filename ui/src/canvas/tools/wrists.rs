@@ -23,14 +23,16 @@ pub(in super::super) fn show(scene: &Scene<'_>, cx: &Context<'_>) {
         return;
     }
     for side in Side::BOTH {
-        let Some(report) = motion.sides[side].get(scene.frame.as_usize()).filter(|report| report.driven) else {
+        let Some(report) = motion.sides[side].get(scene.frame.as_usize()).filter(|report| report.driven)
+        else {
             continue;
         };
         let place = |position: Position<Torso>| {
             let pixel: Pixel = clip.intrinsics.project(&seen_by_the_camera(&motion.map, position)?)?;
             Some(scene.projection.to_screen(pixel))
         };
-        let (Some(target), Some(reached)) = (place(report.target.position()), place(report.reached.position()))
+        let (Some(target), Some(reached)) =
+            (place(report.target.position()), place(report.reached.position()))
         else {
             continue;
         };
