@@ -13,7 +13,7 @@ use egui::{Button, Color32, ColorImage, Rect, RichText, Sense, Slider, Ui, pos2,
 use super::{
     edits::{LayerOrderChange, layer_order_on, with_layer_order, without_layer_order},
     hands::{frames_in_words, frames_meant},
-    parts::{Share, TextureKey, Textures, bar_of_shares, fact, go_to_frame, hint, section},
+    parts::{Share, TextureKey, Textures, bar_of_shares, fact, frame_with_cross, hint, section},
 };
 use crate::{
     action::Action,
@@ -160,15 +160,11 @@ fn order(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         cx.ask(Action::Change(with_layer_order(document, first, last, change)));
     }
     for (index, range) in document.layer_orders.iter().enumerate() {
-        ui.horizontal(|ui| {
-            let width = ui.available_width() - 32.0;
-            let text = format!("to {}: {}", range.last.0, order_in_words(range.order, range.thumb));
-            go_to_frame(ui, cx, range.first, &text, width);
-            let name = format!("Leave frames {} to {} to the machine", range.first.0, range.last.0);
-            if icon_button(ui, Icon::Cross, &name).clicked() {
-                cx.ask(Action::Change(without_layer_order(document, index)));
-            }
-        });
+        let text = format!("to {}: {}", range.last.0, order_in_words(range.order, range.thumb));
+        let name = format!("Leave frames {} to {} to the machine", range.first.0, range.last.0);
+        if frame_with_cross(ui, cx, range.first, &text, &name) {
+            cx.ask(Action::Change(without_layer_order(document, index)));
+        }
     }
 }
 

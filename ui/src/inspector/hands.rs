@@ -11,8 +11,8 @@ use egui::{Color32, RichText, Ui};
 use super::{
     edits::without_swap,
     parts::{
-        Edit, Parameter, Share, bar_of_shares, choice_button, fact, go_to_frame, hint, mark, section, sign,
-        unavailable,
+        Edit, Parameter, Share, bar_of_shares, choice_button, fact, frame_with_cross, go_to_frame, hint,
+        mark, section, sign, unavailable,
     },
 };
 use crate::{
@@ -20,7 +20,7 @@ use crate::{
     state::{Context, Workspace},
     theme::Tokens,
     ui_command::UiCommand,
-    widgets::{Icon, IconButton, command_button},
+    widgets::{Icon, command_button},
 };
 
 /// Hand length where nothing is known, millimetres: the mean of adults.
@@ -150,14 +150,11 @@ fn shares_of(track: &HandTrack, side: Side) -> [f64; 3] {
 fn swaps(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
     for (index, range) in workspace.document().sides_swapped.iter().enumerate() {
         let (first, last) = (range.first.0, range.last.0);
-        ui.horizontal(|ui| {
-            let width = ui.available_width() - 32.0;
-            go_to_frame(ui, cx, range.first, &format!("left and right exchanged to frame {last}"), width);
-            let name = format!("Take back the exchange on frames {first} to {last}");
-            if IconButton::new(Icon::Cross, &name).enabled(workspace.is_writable()).show(ui).clicked() {
-                cx.ask(Action::Change(without_swap(workspace.document(), index)));
-            }
-        });
+        let text = format!("left and right exchanged to {last}");
+        let name = format!("Take back the exchange on frames {first} to {last}");
+        if frame_with_cross(ui, cx, range.first, &text, &name) {
+            cx.ask(Action::Change(without_swap(workspace.document(), index)));
+        }
     }
 }
 

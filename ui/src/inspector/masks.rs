@@ -33,7 +33,7 @@ fn target(ui: &mut Ui, cx: &mut Context<'_>) {
     ui.horizontal(|ui| {
         let layer = cx.options.mask_layer;
         choice_button(ui, cx, UiCommand::LayerObject, "Object", layer == MaskLayer::Object, width);
-        choice_button(ui, cx, UiCommand::LayerArms, "Hands and arms", layer == MaskLayer::Arms, width);
+        choice_button(ui, cx, UiCommand::LayerArms, "Arms", layer == MaskLayer::Arms, width);
     });
 }
 
@@ -71,7 +71,7 @@ fn tools(ui: &mut Ui, cx: &mut Context<'_>) {
 fn brush_size(ui: &mut Ui, cx: &mut Context<'_>) {
     ui.horizontal(|ui| {
         let label = ui.label(RichText::new("Size").color(cx.tokens.muted));
-        ui.spacing_mut().slider_width = (ui.available_width() - 64.0).max(64.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - 80.0).max(40.0);
         let slider = egui::Slider::new(&mut cx.options.brush_radius, 1.0..=100.0)
             .logarithmic(true)
             .max_decimals(0)
@@ -198,7 +198,7 @@ fn doubtful(workspace: &Workspace, layer: MaskLayer) -> Vec<FrameIndex> {
 fn view(ui: &mut Ui, cx: &mut Context<'_>) {
     ui.horizontal(|ui| {
         let label = ui.label(RichText::new("Fill").color(cx.tokens.muted));
-        ui.spacing_mut().slider_width = (ui.available_width() - 64.0).max(64.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - 80.0).max(40.0);
         let slider = egui::Slider::new(&mut cx.options.mask_opacity, 0.0..=1.0)
             .custom_formatter(|value, _| format!("{:.0} %", 100.0 * value))
             .custom_parser(|text| Some(text.trim_end_matches('%').trim().parse::<f64>().ok()? / 100.0));

@@ -91,7 +91,9 @@ fn confirm(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace, step: Step)
         if workspace.step_state(step) == StepState::Confirmed {
             Icon::Check.show(ui, cx.tokens.accent);
             ui.label(RichText::new("Confirmed").color(cx.tokens.text));
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let size = egui::vec2(ui.available_width(), 24.0);
+            let layout = egui::Layout::right_to_left(egui::Align::Center);
+            ui.allocate_ui_with_layout(size, layout, |ui| {
                 let button = egui::Button::new("Take back");
                 if ui.add_enabled(workspace.is_writable(), button).clicked() {
                     cx.ask(Action::Change(Command::SetConfirmed { step, confirmed: false }));

@@ -56,6 +56,7 @@ fn area_jump(workspace: &Workspace, layer: MaskLayer, frame: FrameIndex) -> Stri
     let Some(here) = workspace.mask(layer, frame) else { return "area jumped".to_owned() };
     let (now, before) = (here.mask.area() as f64, trusted_area_before(workspace, layer, frame));
     match before {
+        Some(before) if (now / before - 1.0).abs() < 0.1 => "area is not what was expected".to_owned(),
         Some(before) if now < before => format!("area fell by {:.0} %", 100.0 * (1.0 - now / before)),
         Some(before) => format!("area grew by {:.0} %", 100.0 * (now / before - 1.0)),
         None => "area jumped".to_owned(),

@@ -7,10 +7,10 @@ use egui::{
 
 use crate::{
     action::Action,
-    state::Context,
+    state::{Context, Workspace},
     theme::Tokens,
     ui_command::UiCommand,
-    widgets::{blocked, key_text, tooltip_with_key},
+    widgets::{Icon, IconButton, blocked, key_text, tooltip_with_key},
 };
 
 /// Adds `button` for `command`: greyed with the reason where it cannot be carried out, asked for when clicked.
@@ -57,10 +57,12 @@ pub(in crate::inspector) fn tool_button(
     chosen: bool,
     width: f32,
 ) -> Response {
-    let key = command.keys().first().map(|key| key_text(ui.ctx(), key)).unwrap_or_default();
-    let button = Button::selectable(chosen, command.text())
-        .frame_when_inactive(true)
-        .right_text(RichText::new(key).size(11.0).color(cx.tokens.muted));
+    let mut button = Button::selectable(chosen, command.text()).frame_when_inactive(true);
+    // In a narrow panel the name is worth more than the key, which the tooltip says too.
+    if let Some(key) = command.keys().first().filter(|_| width >= 84.0) {
+        let key = key_text(ui.ctx(), key);
+        button = button.right_text(RichText::new(key).size(11.0).color(cx.tokens.muted));
+    }
     of_command(ui, cx, command, button, width)
 }
 
@@ -124,4 +126,21 @@ pub(in crate::inspector) fn go_to_frame(
 /// The button of a command that makes no sense here, with the reason why.
 pub(in crate::inspector) fn unavailable(ui: &mut Ui, command: UiCommand, reason: &str) -> Response {
     ui.add_enabled(false, Button::new(command.text())).on_disabled_hover_text(reason)
+}
+
+/// A line that goes to a frame, with a cross at its end; whether the cross, named `name`, was clicked.
+pub(in crate::inspector) fn frame_with_cross(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    frame: FrameIndex,
+    text: &str,
+    name: &str,
+) -> bool {
+    let writable = cx.workspace.is_some_and(Workspace::is_writable);
+    ui.horizontal(|ui| {
+        let width = ui.available_width() - Tokens::ROW - 16.0;
+        go_to_frame(ui, cx, frame, text, width);
+        IconButton::new(Icon::Cross, name).enabled(writable).show(ui).clicked()
+    })
+    .inner
 }

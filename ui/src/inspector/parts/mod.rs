@@ -7,7 +7,9 @@ mod parameter;
 mod texture;
 mod time_plot;
 
-pub(super) use button::{choice_button, go_to_frame, primary_button, small_button, tool_button, unavailable};
+pub(super) use button::{
+    choice_button, frame_with_cross, go_to_frame, primary_button, small_button, tool_button, unavailable,
+};
 pub(super) use fact::{Share, bar_of_shares, fact, mark, sign};
 pub(super) use layout::{empty, hint, section};
 pub(super) use parameter::{Edit, Parameter};

@@ -2,7 +2,7 @@
 
 use agenticfocus::clip::FrameIndex;
 use egui::{Color32, RichText, Stroke, Ui};
-use egui_plot::{Line, LineStyle, Plot, PlotUi, VLine};
+use egui_plot::{AxisHints, Line, LineStyle, Plot, PlotUi, VLine};
 
 use crate::theme::Tokens;
 
@@ -80,7 +80,9 @@ pub(in crate::inspector) fn time_plot<'a>(
         .show_background(true)
         .y_axis_min_width(28.0)
         .y_axis_formatter(move |mark, _| format!("{} {unit}", tidy(mark.value)))
-        .x_axis_formatter(|mark, _| tidy(mark.value))
+        .custom_x_axes(vec![
+            AxisHints::new_x().label_spacing(28.0..=44.0).formatter(|mark, _| tidy(mark.value)),
+        ])
         .default_x_bounds(0.0, last.max(1) as f64)
         .set_margin_fraction(egui::vec2(0.0, 0.08))
         .grid_spacing(16.0..=96.0)
@@ -133,9 +135,11 @@ pub(in crate::inspector) fn legend(
     let ends = [rect.left_center(), rect.right_center()];
     let stroke = Stroke::new(2.0, colour);
     match style {
-        TraceStyle::Solid => drop(ui.painter().line_segment(ends, stroke)),
-        TraceStyle::Dashed => drop(ui.painter().extend(egui::Shape::dashed_line(&ends, stroke, 5.0, 3.0))),
-        TraceStyle::Dotted => drop(ui.painter().extend(egui::Shape::dotted_line(&ends, colour, 4.0, 1.2))),
+        TraceStyle::Solid => {
+            ui.painter().line_segment(ends, stroke);
+        }
+        TraceStyle::Dashed => ui.painter().extend(egui::Shape::dashed_line(&ends, stroke, 5.0, 3.0)),
+        TraceStyle::Dotted => ui.painter().extend(egui::Shape::dotted_line(&ends, colour, 4.0, 1.2)),
     }
     ui.label(RichText::new(name).size(11.0).color(tokens.muted));
 }

@@ -145,7 +145,7 @@ impl RetargetInspector {
             "β is held by you"
         };
         hint(ui, cx.tokens, beta);
-        hint(ui, cx.tokens, "α smooths forward and backward: the robot does not lag");
+        hint(ui, cx.tokens, "α smooths both ways in time: nothing lags");
         self.ask(cx, kept, edited, result);
     }
 

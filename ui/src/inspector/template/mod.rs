@@ -12,7 +12,7 @@ use self::rank::{Ranked, ranked};
 use super::{
     edits::choose_template_frame,
     parts::{
-        TextureKey, Textures, empty, fact, go_to_frame, hint, picture_of_rgb, picture_of_rgba, section,
+        TextureKey, Textures, empty, fact, frame_with_cross, hint, picture_of_rgb, picture_of_rgba, section,
         small_button,
     },
 };
@@ -20,7 +20,7 @@ use crate::{
     action::Action,
     state::{Context, Workspace},
     ui_command::UiCommand,
-    widgets::{Icon, IconButton, command_button},
+    widgets::{Icon, command_button},
 };
 
 /// Clean frames offered.
@@ -196,15 +196,10 @@ fn keyframes(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         hint(ui, cx.tokens, "None: drag the template on a frame to set one");
     }
     for frame in placements.keys().copied() {
-        ui.horizontal(|ui| {
-            let width = ui.available_width() - 32.0;
-            go_to_frame(ui, cx, frame, "placed by you", width);
-            let name = format!("Leave frame {} to the machine", frame.0);
-            let button = IconButton::new(Icon::Cross, &name).enabled(workspace.is_writable());
-            if button.show(ui).clicked() {
-                cx.ask(Action::Change(Command::SetPlacement { frame, transform: None }));
-            }
-        });
+        let name = format!("Leave frame {} to the machine", frame.0);
+        if frame_with_cross(ui, cx, frame, "placed by you", &name) {
+            cx.ask(Action::Change(Command::SetPlacement { frame, transform: None }));
+        }
     }
     let here: FrameIndex = workspace.playhead;
     if placements.contains_key(&here) {

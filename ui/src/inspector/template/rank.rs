@@ -68,7 +68,7 @@ fn why(workspace: &Workspace, frame: FrameIndex, usual: u64) -> String {
         let touched = touched_share(&object.mask, &arms.mask);
         words.push(match touched {
             share if share < 0.01 => "hand away".to_owned(),
-            share => format!("hand at {:.0} % of its edge", 100.0 * share),
+            share => format!("hand at {:.0} % of edge", 100.0 * share),
         });
     }
     if object.author == agenticfocus::segment::MaskAuthor::Human {
