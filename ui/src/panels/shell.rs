@@ -1,6 +1,6 @@
 //! Puts the window together: bars, queue, inspector, timeline, and the canvas in what is left.
 
-use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Sense, Ui, UiBuilder};
 
 use super::{QueuePanel, StatusBar, Timeline, TopBar};
 use crate::{key_sheet::KeySheet, palette::Palette, state::Context, theme, ui_command::UiCommand};
@@ -29,6 +29,13 @@ pub struct Shell {
     pub key_sheet: KeySheet,
     /// Whether the window was narrow, and whether the queue was open before it became so.
     narrow: Option<bool>,
+}
+
+/// Draws `contents` into all of `ui` and no more: a row that is too long would move the panel's edge otherwise.
+fn fixed(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    let rect = ui.available_rect_before_wrap();
+    ui.allocate_rect(rect, Sense::hover());
+    contents(&mut ui.new_child(UiBuilder::new().max_rect(rect).layout(Layout::top_down(Align::Min))));
 }
 
 impl Shell {
@@ -70,14 +77,14 @@ impl Shell {
                 .exact_size(QUEUE)
                 .resizable(false)
                 .frame(side)
-                .show(ui, |ui| self.queue.show(ui, cx));
+                .show(ui, |ui| fixed(ui, |ui| self.queue.show(ui, cx)));
         }
         if cx.options.inspector_open {
             Panel::right("inspector")
                 .exact_size(INSPECTOR)
                 .resizable(false)
                 .frame(side)
-                .show(ui, |ui| inspector(ui, cx));
+                .show(ui, |ui| fixed(ui, |ui| inspector(ui, cx)));
         }
         let ground = Frame::new().fill(cx.tokens.ground);
         CentralPanel::default().frame(ground).show(ui, |ui| canvas(ui, cx));

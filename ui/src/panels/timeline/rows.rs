@@ -77,6 +77,7 @@ pub(super) fn paint(
     for (side, place) in [(Side::Left, places.left), (Side::Right, places.right)] {
         hand_row(painter, tokens, &rows.hands[side], scale, place, tokens.side(side));
     }
+    swapped(painter, tokens, rows, scale, places.left.union(places.right));
     contact(painter, tokens, rows, scale, places.order);
     order(painter, tokens, rows, scale, places.order);
     quality(painter, tokens, rows, scale, places.quality);
@@ -185,6 +186,19 @@ fn hand_row(painter: &Painter, tokens: &Tokens, row: &HandRow, scale: &Scale, pl
         edits.put(*frame, place.center().y, Icon::Diamond, 11.0, tokens.panel);
         edits.last = f32::NEG_INFINITY;
         edits.put(*frame, place.center().y, Icon::Diamond, 8.0, tokens.text);
+    }
+}
+
+/// Frames on which a person exchanged the hands: a frame round both rows, with a glyph where there is room.
+fn swapped(painter: &Painter, tokens: &Tokens, rows: &Rows, scale: &Scale, place: Rect) {
+    for (first, last) in &rows.swapped {
+        let Some(x) = scale.span(*first, *last) else { continue };
+        let rect = Rect::from_x_y_ranges(x, place.y_range());
+        painter.rect_stroke(rect, CornerRadius::same(2), Stroke::new(1.0, tokens.text), StrokeKind::Inside);
+        if rect.width() >= 18.0 {
+            painter.circle_filled(rect.center(), 8.0, tokens.panel);
+            Icon::Swap.paint_at(painter, rect.center(), 10.0, tokens.text);
+        }
     }
 }
 

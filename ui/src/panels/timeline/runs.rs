@@ -73,6 +73,8 @@ pub struct Rows {
     pub arms: MaskRow,
     /// Both hands.
     pub hands: PerSide<HandRow>,
+    /// Frames on which a person exchanged left and right, first and last.
+    pub swapped: Vec<(u32, u32)>,
     /// Contact of the busier hand, one a frame, 0 to 1; empty before there is a motion.
     pub contact: Vec<f32>,
     /// Layer order.
@@ -179,6 +181,12 @@ impl Rows {
             object: mask_row(workspace, MaskLayer::Object, count),
             arms: mask_row(workspace, MaskLayer::Arms, count),
             hands: PerSide::from_fn(|side| hand_row(workspace, side)),
+            swapped: workspace
+                .document()
+                .sides_swapped
+                .iter()
+                .map(|range| (range.first.0, range.last.0))
+                .collect(),
             contact,
             order: order_row(workspace, count),
             quality: quality_row(workspace, count),

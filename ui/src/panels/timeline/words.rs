@@ -98,6 +98,10 @@ pub(super) fn show(ui: &mut Ui, tokens: &Tokens, workspace: &Workspace, frame: F
         ("Left hand", hand_words(workspace, Side::Left, frame)),
         ("Right hand", hand_words(workspace, Side::Right, frame)),
     ];
+    let exchanged = workspace.document().sides_swapped.iter().any(|r| (r.first..=r.last).contains(&frame));
+    if exchanged {
+        lines.push(("Hands", "left and right exchanged by a person".to_owned()));
+    }
     if let Some(contact) = order_words(workspace, frame) {
         lines.push(("Order", contact));
     }
