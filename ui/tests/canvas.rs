@@ -6,14 +6,17 @@ use std::sync::Arc;
 
 use agenticfocus::{
     clip::FrameIndex,
+    engine::Request,
     geometry::Pixel,
+    image::Mask,
+    segment::RleMask,
     session::{Command, MaskLayer, ObjectPromptKind, Step},
 };
 use agenticfocus_ui::{
     action::Action,
     canvas::{Canvas, View},
     paint,
-    state::{BeforeAfter, Tool},
+    state::{BeforeAfter, Draft, Tool},
     theme::{self, Tokens},
     ui_command::UiCommand,
 };
@@ -265,6 +268,84 @@ fn a_session_that_others_write_to_cannot_be_painted() {
 }
 
 #[test]
+fn points_ask_for_a_mask_and_enter_takes_the_answer() {
+    let mut harness = on_step(Step::Masks);
+    harness.state_mut().bench.options.tool = Tool::Points;
+    let (on, beside) = (at(&harness, 150.0, 120.0), at(&harness, 40.0, 40.0));
+    drag(&mut harness, &[on], PointerButton::Primary, Modifiers::NONE);
+    drag(&mut harness, &[beside], PointerButton::Secondary, Modifiers::NONE);
+    let actions = asked(&mut harness);
+    let Some(Action::Ask(Request::Segment { layer, frame, positive, negative })) = actions.last().cloned()
+    else {
+        panic!("{actions:?}")
+    };
+    assert_eq!((layer, frame, positive.len(), negative.len()), (MaskLayer::Object, FrameIndex(22), 1, 1));
+    assert!(perform(&mut harness, UiCommand::FinishShape), "Enter waits for the answer");
+    assert!(asked(&mut harness).is_empty());
+    let made = Mask::from_fn(SIZE, |x, y| x > 100 && y > 100 && x < 160 && y < 150);
+    let mask = Some(Arc::new(RleMask::encode(&made)));
+    let draft = Draft { frame, positive, negative, mask, fault: None };
+    harness.state_mut().bench.workspace.as_mut().unwrap().draft = Some(draft);
+    harness.run();
+    assert!(perform(&mut harness, UiCommand::FinishShape));
+    let actions = asked(&mut harness);
+    let [Action::ChangeMask { mask, .. }] = actions.as_slice() else { panic!("{actions:?}") };
+    assert_eq!(*mask, made);
+}
+
+#[test]
+fn the_middle_button_and_space_move_the_picture_and_paint_nothing() {
+    let mut harness = on_step(Step::Masks);
+    let (from, to) = (at(&harness, 100.0, 100.0), at(&harness, 120.0, 90.0));
+    drag(&mut harness, &[from, to], PointerButton::Middle, Modifiers::NONE);
+    harness.get_by_label("x 100  y 100");
+    assert!(!harness.state_mut().canvas.took_space());
+    harness.key_down(egui::Key::Space);
+    drag(&mut harness, &[to, from], PointerButton::Primary, Modifiers::NONE);
+    harness.key_up(egui::Key::Space);
+    harness.run();
+    harness.get_by_label("x 100  y 100");
+    assert!(harness.state_mut().canvas.took_space());
+    assert!(asked(&mut harness).is_empty());
+}
+
+#[test]
+fn the_wheel_with_alt_sizes_the_brush_and_leaves_the_view() {
+    let mut harness = on_step(Step::Masks);
+    let place = at(&harness, 100.0, 100.0);
+    harness.hover_at(place);
+    harness.run();
+    let before = harness.state().bench.options.brush_radius;
+    let (unit, delta) = (MouseWheelUnit::Point, vec2(0.0, 60.0));
+    let (phase, source) = (egui::TouchPhase::Move, egui::MouseWheelSource::Unknown);
+    harness.event_modifiers(
+        Event::MouseWheel { unit, delta, modifiers: Modifiers::ALT, phase, source },
+        Modifiers::ALT,
+    );
+    harness.run();
+    assert!(harness.state().bench.options.brush_radius > before);
+    harness.get_by_label("x 100  y 100");
+}
+
+#[test]
+fn a_stroke_goes_to_the_frame_it_was_drawn_on() {
+    let mut harness = on_step(Step::Masks);
+    let from = at(&harness, 40.0, 40.0);
+    harness.hover_at(from);
+    harness.run();
+    button(&harness, from, PointerButton::Primary, true, Modifiers::NONE);
+    harness.run();
+    harness.state_mut().bench.workspace.as_mut().unwrap().playhead = FrameIndex(23);
+    harness.run();
+    button(&harness, from, PointerButton::Primary, false, Modifiers::NONE);
+    harness.run();
+    let actions = asked(&mut harness);
+    let [Action::ChangeMask { frame: FrameIndex(22), .. }] = actions.as_slice() else {
+        panic!("{actions:?}")
+    };
+}
+
+#[test]
 fn every_step_looks_as_it_should() {
     // One window for all: a renderer takes long to start.
     let mut harness = harness(Bench::new(Tokens::dark()), vec2(720.0, 560.0));
@@ -363,4 +444,37 @@ fn a_picture_that_cannot_be_had_is_explained() {
     harness.run();
     harness.get_by_label(words);
     harness.snapshot("canvas_fault_dark");
+}
+
+/// Writes pictures to judge by eye.
+#[test]
+#[ignore = "writes pictures to look at"]
+fn pictures_to_look_at() {
+    let folder = std::env::temp_dir().join("agenticfocus-canvas");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut harness = harness(Bench::new(Tokens::light()), vec2(704.0, 430.0));
+    let options = &mut harness.state_mut().bench.options;
+    options.step = Step::Composite;
+    options.eyes.background.shown = false;
+    options.eyes.robot.opacity = 0.5;
+    harness.run();
+    harness.get_by_label("Layers").click();
+    harness.run();
+    harness.render().unwrap().save(folder.join("layers.png")).unwrap();
+    let bench = &mut harness.state_mut().bench;
+    bench.options.step = Step::Object;
+    let failure = agenticfocus::engine::WorkFailure {
+        stage: Some("clip".to_owned()),
+        message: "cup_lid.mp4 cannot be read: no video stream in it. Open another file".to_owned(),
+    };
+    let workspace = bench.workspace.as_mut().unwrap();
+    workspace.found.clip = None;
+    workspace.work = agenticfocus_ui::state::Work::Failed(failure);
+    harness.run();
+    harness.render().unwrap().save(folder.join("failed.png")).unwrap();
+    let workspace = harness.state_mut().bench.workspace.as_mut().unwrap();
+    workspace.work =
+        agenticfocus_ui::state::Work::Running { stage: "clip", share: 0.3, left: None, paused: false };
+    harness.run();
+    harness.render().unwrap().save(folder.join("reading.png")).unwrap();
 }

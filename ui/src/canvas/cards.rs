@@ -1,6 +1,8 @@
 //! What is said in the middle of the canvas when there is no picture to show.
 
-use egui::{Align, Frame, Layout, Margin, Rect, RichText, Stroke, Ui, UiBuilder, Vec2, vec2};
+use egui::{
+    Align, Align2, FontId, Frame, Layout, Margin, Rect, RichText, Sense, Stroke, Ui, UiBuilder, Vec2, vec2,
+};
 
 use super::{
     scene::Scene,
@@ -45,9 +47,12 @@ pub(super) fn no_pictures(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect, workspa
         }
         Work::Running { share, .. } => {
             let text = "Frames appear as soon as they are decoded";
-            empty(ui, cx, rect, (Icon::HalfRing, "Reading the clip", text), &[]);
-            let bar = Rect::from_center_size(rect.center() + vec2(0.0, 64.0), vec2(160.0, 4.0));
-            progress(ui, cx.tokens, bar, *share as f32);
+            ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+                let title = "Reading the clip";
+                empty_state(ui, cx.tokens, Icon::HalfRing, title, text, |ui| {
+                    progress(ui, cx.tokens, *share as f32)
+                });
+            });
         }
         Work::Idle => {
             let text = "Frames appear once it was decoded";
@@ -61,6 +66,19 @@ pub(super) fn fault(ui: &mut Ui, cx: &mut Context<'_>, scene: &Scene<'_>) {
     if let Some(text) = cx.pictures.fault(scene.frame).map(str::to_owned) {
         framed(ui, cx, scene.rect, &format!("No picture of {}", scene.frame), &text, &[UiCommand::Rerun]);
     }
+}
+
+/// Says that what is dragged over an open clip may be let go.
+pub(super) fn drop_hint(ui: &Ui, tokens: &Tokens, rect: Rect) {
+    if ui.input(|input| input.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0.0, tokens.ground.gamma_multiply(0.8));
+    let border = LineStyle { width: 2.0, colour: tokens.accent, dashed: true };
+    shapes::polyline(&painter, &shapes::corners(rect.shrink(16.0)), true, border);
+    let font = FontId::proportional(Tokens::HEADING);
+    painter.text(rect.center(), Align2::CENTER_CENTER, "Let go to open", font, tokens.text);
 }
 
 fn empty(
@@ -132,7 +150,8 @@ fn buttons(ui: &mut Ui, cx: &mut Context<'_>, commands: &[UiCommand]) {
     }
 }
 
-fn progress(ui: &Ui, tokens: &Tokens, bar: Rect, share: f32) {
+fn progress(ui: &mut Ui, tokens: &Tokens, share: f32) {
+    let (bar, _) = ui.allocate_exact_size(vec2(160.0, 4.0), Sense::hover());
     ui.painter().rect_filled(bar, 2.0, tokens.line);
     let done = Rect::from_min_size(bar.min, vec2(bar.width() * share.clamp(0.0, 1.0), bar.height()));
     ui.painter().rect_filled(done, 2.0, tokens.accent);

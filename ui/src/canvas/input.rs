@@ -14,8 +14,9 @@ pub(super) enum PointerEvent {
     Release { at: Pos2, button: PointerButton },
 }
 
-/// All of it. Presses on what lies over the canvas are left out.
-pub(super) fn pointer_events(ui: &Ui, response: &Response) -> Vec<PointerEvent> {
+/// All of it. Presses on what lies over the canvas are left out. `was_down` remembers whether a button was down: one
+/// that comes up without a word, because the window lost the pointer, is told too.
+pub(super) fn pointer_events(ui: &Ui, response: &Response, was_down: &mut bool) -> Vec<PointerEvent> {
     let here = response.hovered() || response.is_pointer_button_down_on();
     let read = |event: &Event| match *event {
         Event::PointerMoved(at) => Some(PointerEvent::Move(at)),
@@ -27,5 +28,16 @@ pub(super) fn pointer_events(ui: &Ui, response: &Response) -> Vec<PointerEvent> 
         }
         _ => None,
     };
-    ui.input(|input| input.events.iter().filter_map(read).collect())
+    let (mut events, down, last): (Vec<_>, _, _) = ui.input(|input| {
+        let pointer = &input.pointer;
+        (input.events.iter().filter_map(read).collect(), pointer.any_down(), pointer.latest_pos())
+    });
+    let told = events.iter().any(|event| matches!(event, PointerEvent::Release { .. }));
+    if *was_down && !down && !told {
+        let at = last.unwrap_or(response.rect.center());
+        let buttons = [PointerButton::Primary, PointerButton::Secondary, PointerButton::Middle];
+        events.extend(buttons.map(|button| PointerEvent::Release { at, button }));
+    }
+    *was_down = down;
+    events
 }

@@ -60,6 +60,8 @@ pub struct Canvas {
     /// The button that moves the picture, and where the pointer was last.
     panning: Option<(PointerButton, Pos2)>,
     took_space: bool,
+    /// A button was down when events were last read.
+    was_down: bool,
     /// Where pictures were drawn last, and how.
     last: Option<(Rect, Projection)>,
     /// The session that was shown last.
@@ -118,7 +120,7 @@ impl Canvas {
         let projection = self.view.projection(inner, size, points);
         self.last = Some((inner, projection));
         self.zoom_by_wheel(ui, &response, cx);
-        let mut events = pointer_events(ui, &response);
+        let mut events = pointer_events(ui, &response, &mut self.was_down);
         self.pan(ui, &mut events);
         let projection = self.view.projection(inner, size, points);
         self.last = Some((inner, projection));
@@ -144,6 +146,7 @@ impl Canvas {
         chrome::tool_strip(ui, cx, self.object.tool, caption, whole);
         chrome::view_strip(ui, cx, &scene, &mut self.eyes, whole);
         cards::fault(ui, cx, &scene);
+        cards::drop_hint(ui, cx.tokens, rect);
     }
 
     /// Whether Space moved the picture since the last call; if so, letting go of it means nothing more.

@@ -10,6 +10,9 @@ use crate::{paint::Outline, theme::Tokens, widgets::Icon};
 /// Dash and gap of what is doubtful, points.
 const DASH: (f32, f32) = (7.0, 5.0);
 
+/// Side of a checkerboard's cell, points.
+const CELL: f32 = 12.0;
+
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LineStyle {
@@ -177,6 +180,29 @@ fn indent(icon: Option<Icon>) -> f32 {
 
 fn words(painter: &Painter, tokens: &Tokens, text: &str) -> Arc<egui::Galley> {
     painter.layout_no_wrap(text.to_owned(), FontId::proportional(Tokens::SMALL), tokens.text)
+}
+
+/// What lies behind a picture that is clear in places.
+pub(super) fn checkerboard(painter: &Painter, tokens: &Tokens, rect: Rect) {
+    painter.rect_filled(rect, 0.0, tokens.raised);
+    let seen = rect.intersect(painter.clip_rect());
+    if !seen.is_positive() {
+        return;
+    }
+    let mut mesh = Mesh::default();
+    let cells = |from: f32, to: f32, start: f32| {
+        (((from - start) / CELL).floor() as i32)..=(((to - start) / CELL).floor() as i32)
+    };
+    for row in cells(seen.min.y, seen.max.y, rect.min.y) {
+        for column in cells(seen.min.x, seen.max.x, rect.min.x).filter(|column| (column + row) % 2 == 0) {
+            let corner = rect.min + vec2(column as f32, row as f32) * CELL;
+            let cell = Rect::from_min_size(corner, Vec2::splat(CELL)).intersect(seen);
+            if cell.is_positive() {
+                mesh.add_colored_rect(cell, tokens.line);
+            }
+        }
+    }
+    painter.add(Shape::mesh(mesh));
 }
 
 /// A plus or a minus where somebody clicked.

@@ -72,7 +72,7 @@ impl CompositeView {
         }
         let eyes = cx.options.eyes;
         // Where a layer is not drawn, nothing is: the source would pretend to be part of the result.
-        painter.rect_filled(picture, 0.0, cx.tokens.ground);
+        shapes::checkerboard(&painter, cx.tokens, picture);
         draw(&self.background, eyes.background);
         draw(&self.robot, eyes.robot);
         if layers.object.is_some() {
