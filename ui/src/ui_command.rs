@@ -198,6 +198,8 @@ pub enum UiCommand {
     TemplateHere,
     /// Let the machine choose the clean frame.
     TemplateAuto,
+    /// Paint the template's mask on its frame, or place the template again.
+    TemplateMask,
     /// Drop the placement by hand on this frame.
     ForgetPlacement,
     /// Move the placement one pixel left.
@@ -364,6 +366,7 @@ const TABLE: &[Row] = &[
     row(UiCommand::FinishShape, "Finish shape", "Close the polygon, or take the points' mask", &[key(NONE, Key::Enter)], Scope::Masks),
     row(UiCommand::TemplateHere, "Template from here", "Cut the template from this frame", &[key(NONE, Key::T)], Scope::Template),
     row(UiCommand::TemplateAuto, "Best frame", "Let the machine choose the clean frame", &[key(SHIFT, Key::T)], Scope::Template),
+    row(UiCommand::TemplateMask, "Paint its mask", "Paint the template's mask on its own frame, or place the template again", &[key(NONE, Key::B)], Scope::Template),
     row(UiCommand::ForgetPlacement, "Placement by the machine", "Drop the placement by hand on this frame", &[key(NONE, Key::Delete)], Scope::Template),
     row(UiCommand::NudgeLeft, "Nudge left", "Move the placement one pixel left", &[key(NONE, Key::J)], Scope::Template),
     row(UiCommand::NudgeRight, "Nudge right", "Move the placement one pixel right", &[key(NONE, Key::L)], Scope::Template),

@@ -346,6 +346,22 @@ fn a_stroke_goes_to_the_frame_it_was_drawn_on() {
 }
 
 #[test]
+fn the_templates_mask_is_painted_on_its_own_frame() {
+    let mut harness = on_step(Step::Template);
+    assert!(perform(&mut harness, UiCommand::TemplateMask));
+    assert!(matches!(asked(&mut harness).as_slice(), [Action::Seek(FrameIndex(0))]));
+    harness.state_mut().bench.workspace.as_mut().unwrap().playhead = FrameIndex(0);
+    harness.run();
+    let path = [at(&harness, 30.0, 30.0), at(&harness, 60.0, 30.0)];
+    drag(&mut harness, &path, PointerButton::Primary, Modifiers::NONE);
+    let actions = asked(&mut harness);
+    let [Action::ChangeTemplateMask { mask }] = actions.as_slice() else { panic!("{actions:?}") };
+    assert!(mask.get(45, 30));
+    assert!(perform(&mut harness, UiCommand::SelectNothing), "Esc goes back to placing");
+    assert!(!perform(&mut harness, UiCommand::SelectNothing));
+}
+
+#[test]
 fn every_step_looks_as_it_should() {
     // One window for all: a renderer takes long to start.
     let mut harness = harness(Bench::new(Tokens::dark()), vec2(720.0, 560.0));

@@ -17,15 +17,22 @@ use crate::{
 /// Commands of the strip; with `Some` where they switch something that is on or off.
 type Group = Vec<(UiCommand, Option<bool>)>;
 
-fn groups(cx: &Context<'_>, object: ObjectTool) -> [Group; 2] {
+/// What is pressed in beside what options tell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pressed {
+    pub object: ObjectTool,
+    pub template_mask: bool,
+}
+
+fn groups(cx: &Context<'_>, pressed: Pressed) -> [Group; 2] {
     let options = &cx.options;
     let tool = |command, tool| (command, Some(options.tool == tool));
     let layer = |command, layer| (command, Some(options.mask_layer == layer));
     match options.step {
         Step::Object => [
             vec![
-                (UiCommand::DrawBox, Some(object == ObjectTool::Box)),
-                (UiCommand::DrawPoints, Some(object == ObjectTool::Points)),
+                (UiCommand::DrawBox, Some(pressed.object == ObjectTool::Box)),
+                (UiCommand::DrawPoints, Some(pressed.object == ObjectTool::Points)),
             ],
             vec![(UiCommand::NoObject, None)],
         ],
@@ -45,7 +52,7 @@ fn groups(cx: &Context<'_>, object: ObjectTool) -> [Group; 2] {
         ],
         Step::Template => [
             vec![(UiCommand::TemplateHere, None), (UiCommand::TemplateAuto, None)],
-            vec![(UiCommand::ForgetPlacement, None)],
+            vec![(UiCommand::TemplateMask, Some(pressed.template_mask)), (UiCommand::ForgetPlacement, None)],
         ],
         Step::Hands => {
             let left = options.side == agenticfocus::geometry::Side::Left;
@@ -73,7 +80,7 @@ fn command(ui: &mut Ui, cx: &mut Context<'_>, (command, on): (UiCommand, Option<
 pub(super) fn tool_strip(
     ui: &mut Ui,
     cx: &mut Context<'_>,
-    object: ObjectTool,
+    pressed: Pressed,
     (icon, text): Caption,
     whole: Rect,
 ) {
@@ -85,7 +92,7 @@ pub(super) fn tool_strip(
     ui.scope_builder(builder, |ui| {
         ui.set_clip_rect(strip);
         ui.spacing_mut().item_spacing.x = 4.0;
-        let [first, second] = groups(cx, object);
+        let [first, second] = groups(cx, pressed);
         let divided = !first.is_empty() && !second.is_empty();
         for entry in first {
             command(ui, cx, entry);

@@ -23,13 +23,14 @@ use agenticfocus::{
 use egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, WidgetInfo, accesskit::Role, vec2};
 
 use self::{
+    chrome::Pressed,
     input::{PointerEvent, pointer_events},
     mask_view::Look,
     scene::Scene,
     source_view::{Patience, SourceView},
     tools::{
         composite::CompositeView, hands::HandTools, masks::MaskTools, object::ObjectTools,
-        template::TemplateTools, wrists,
+        template::TemplateTools, template_mask::TemplateMaskTool, wrists,
     },
 };
 use crate::state::{BeforeAfter, Context, Workspace};
@@ -54,9 +55,12 @@ pub struct Canvas {
     masks: MaskTools,
     object: ObjectTools,
     template: TemplateTools,
+    template_mask: TemplateMaskTool,
     hands: HandTools,
     /// Whether the object's and the arms' masks are shown where they are not edited.
     eyes: Eyes,
+    /// The step that was shown last.
+    step: Step,
     /// The button that moves the picture, and where the pointer was last.
     panning: Option<(PointerButton, Pos2)>,
     took_space: bool,
@@ -142,11 +146,20 @@ impl Canvas {
             Step::Masks => self.masks.points.as_ref(),
             _ => None,
         };
-        let caption = caption::caption(cx, &scene, points, self.fresh);
-        chrome::tool_strip(ui, cx, self.object.tool, caption, whole);
+        let caption = if cx.options.step == Step::Template && self.template_mask.is_on(scene.frame) {
+            (None, "Left adds, right takes away, Alt and wheel size".to_owned())
+        } else {
+            caption::caption(cx, &scene, points, self.fresh)
+        };
+        chrome::tool_strip(ui, cx, self.pressed(&scene), caption, whole);
         chrome::view_strip(ui, cx, &scene, &mut self.eyes, whole);
         cards::fault(ui, cx, &scene);
         cards::drop_hint(ui, cx.tokens, rect);
+    }
+
+    /// What the strip of tools shows pressed in that options do not tell.
+    fn pressed(&self, scene: &Scene<'_>) -> Pressed {
+        Pressed { object: self.object.tool, template_mask: self.template_mask.is_on(scene.frame) }
     }
 
     /// Whether Space moved the picture since the last call; if so, letting go of it means nothing more.
@@ -177,7 +190,7 @@ impl Canvas {
         if zoom != 1.0 {
             self.view.zoom_to(now.zoom * zoom, at, rect, &now);
         } else if modifiers.alt && scroll != Vec2::ZERO {
-            if cx.options.step == Step::Masks {
+            if matches!(cx.options.step, Step::Masks | Step::Template) {
                 let radius = cx.options.brush_radius * ((scroll.x + scroll.y) * 0.005).exp();
                 cx.options.brush_radius = radius.clamp(perform::BRUSHES.0, perform::BRUSHES.1);
             }
@@ -230,6 +243,11 @@ impl Canvas {
             scene.painter.rect_filled(scene.projection.picture_rect(), 0.0, cx.tokens.raised);
         }
         let step = cx.options.step;
+        if self.step != step {
+            // What was begun in one step does not wait in another.
+            self.cancel();
+            self.step = step;
+        }
         if matches!(step, Step::Retarget | Step::Composite | Step::Review) {
             self.draw_composite(sharp, scene, cx);
         }
@@ -238,15 +256,29 @@ impl Canvas {
             Step::Object => self.object.show(scene, cx),
             Step::Masks => self.masks.show(scene, cx, [self.eyes.object, self.eyes.arms]),
             Step::Template => {
-                if self.eyes.object {
+                if self.eyes.object && !self.template_mask.is_on(scene.frame) {
                     self.masks.show_only(scene, cx, MaskLayer::Object, faint);
                 }
-                self.template.show(scene, cx);
+                if !self.template_mask.show(scene, cx) {
+                    self.template.show(scene, cx);
+                }
             }
             Step::Hands => self.hands.show(scene, cx),
             Step::Retarget => wrists::show(scene, cx),
             Step::Composite | Step::Review => self.composite.wipe(scene, cx),
         }
+    }
+
+    /// Drops what is not finished, whatever it is; false when there was nothing.
+    fn cancel(&mut self) -> bool {
+        let held = [
+            self.masks.cancel(),
+            self.object.cancel(),
+            self.template.cancel() || self.template_mask.cancel(),
+            self.hands.cancel(),
+            self.composite.cancel(),
+        ];
+        held.contains(&true)
     }
 
     fn draw_composite(&mut self, sharp: bool, scene: &Scene<'_>, cx: &mut Context<'_>) {

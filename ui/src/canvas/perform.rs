@@ -54,15 +54,10 @@ impl Canvas {
                     _ => false,
                 };
             }
-            UiCommand::SelectNothing => {
-                let held = [
-                    self.masks.cancel(),
-                    self.object.cancel(),
-                    self.template.cancel(),
-                    self.hands.cancel(),
-                    self.composite.cancel(),
-                ];
-                return held.contains(&true);
+            UiCommand::SelectNothing => return self.cancel(),
+            UiCommand::TemplateMask => {
+                self.template_mask.toggle(cx);
+                return true;
             }
             UiCommand::FillHoles | UiCommand::Grow | UiCommand::Shrink => {}
             _ => return false,

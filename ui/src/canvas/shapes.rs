@@ -182,6 +182,18 @@ fn words(painter: &Painter, tokens: &Tokens, text: &str) -> Arc<egui::Galley> {
     painter.layout_no_wrap(text.to_owned(), FontId::proportional(Tokens::SMALL), tokens.text)
 }
 
+/// The brush's footprint. A dark and a light ring: one of them is seen on every picture. Taking away is a ring with a
+/// bar, whatever its colours look like.
+pub(super) fn brush_ring(painter: &Painter, at: Pos2, radius: f32, taking: bool) {
+    painter.circle_stroke(at, radius, Stroke::new(3.0, rim_colour()));
+    painter.circle_stroke(at, radius, Stroke::new(1.5, Color32::WHITE));
+    if taking {
+        let bar = [at - vec2(4.0, 0.0), at + vec2(4.0, 0.0)];
+        painter.line_segment(bar, Stroke::new(4.0, rim_colour()));
+        painter.line_segment(bar, Stroke::new(2.0, Color32::WHITE));
+    }
+}
+
 /// What lies behind a picture that is clear in places.
 pub(super) fn checkerboard(painter: &Painter, tokens: &Tokens, rect: Rect) {
     painter.rect_filled(rect, 0.0, tokens.raised);

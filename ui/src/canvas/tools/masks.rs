@@ -9,7 +9,7 @@ use agenticfocus::{
     segment::RleMask,
     session::MaskLayer,
 };
-use egui::{Color32, CursorIcon, Modifiers, PointerButton, Pos2, Stroke, vec2};
+use egui::{CursorIcon, Modifiers, PointerButton, Pos2};
 
 use super::{
     super::{
@@ -395,16 +395,8 @@ impl MaskTools {
             Some(Edit { work: Work::Stroke { adding, .. }, .. }) => *adding,
             _ => (cx.options.tool == Tool::Brush) != scene.shift,
         };
-        // A dark and a light ring: one of them is seen on every picture.
         let radius = cx.options.brush_radius * scene.projection.scale;
-        scene.painter.circle_stroke(at, radius, Stroke::new(3.0, shapes::rim_colour()));
-        scene.painter.circle_stroke(at, radius, Stroke::new(1.5, Color32::WHITE));
-        if !adding {
-            // Taking away is a ring with a bar, whatever its colour looks like.
-            let bar = [at - vec2(4.0, 0.0), at + vec2(4.0, 0.0)];
-            scene.painter.line_segment(bar, Stroke::new(4.0, shapes::rim_colour()));
-            scene.painter.line_segment(bar, Stroke::new(2.0, Color32::WHITE));
-        }
+        shapes::brush_ring(&scene.painter, at, radius, !adding);
     }
 
     /// The mask on which commands for a whole mask work: none while a stroke is in progress.

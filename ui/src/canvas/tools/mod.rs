@@ -8,4 +8,5 @@ mod placement;
 pub(super) mod points;
 mod shape;
 pub(super) mod template;
+pub(super) mod template_mask;
 pub(super) mod wrists;
