@@ -76,11 +76,11 @@ fn template_caption(scene: &Scene<'_>) -> Caption {
     };
     match template::placed(scene, scene.frame) {
         None => (Some(Icon::Ring), "The object is absent on this frame".to_owned()),
-        Some((_, true)) => (Some(Icon::Diamond), "Placed by hand".to_owned()),
+        Some((_, true)) => (Some(Icon::Diamond), "By hand".to_owned()),
         Some((_, false)) => {
             let placement = track.placements.get(scene.frame.as_usize()).and_then(Option::as_ref);
             let trust = placement.map_or(0.0, |placement| placement.confidence * 100.0);
-            (Some(Icon::Dot), format!("Placed by the machine, trust {trust:.0} %"))
+            (Some(Icon::Dot), format!("By the machine, trust {trust:.0} %"))
         }
     }
 }
