@@ -386,9 +386,10 @@ fn every_step_looks_as_it_should() {
 /// Gives the robot wrists a little beside the human's, the right one out of reach.
 fn with_wrists(bench: &mut Bench) {
     use agenticfocus::geometry::{Pose, Position, Side};
-    let found = &mut bench.workspace.as_mut().unwrap().found;
-    let hands = found.hands.clone().unwrap();
-    let motion = Arc::make_mut(found.motion.as_mut().unwrap());
+    let Some(workspace) = &mut bench.workspace else { return };
+    let found = &mut workspace.found;
+    let (Some(hands), Some(motion)) = (found.hands.clone(), found.motion.as_mut()) else { return };
+    let motion = Arc::make_mut(motion);
     let map = motion.map;
     for side in Side::BOTH {
         for (report, hand) in motion.sides[side].iter_mut().zip(&hands.hands[side]) {
