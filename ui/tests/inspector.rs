@@ -45,7 +45,8 @@ impl Stage {
 
     /// Carries changes out as the app does.
     fn keep(&mut self, command: Command) {
-        let applied = self.bench.workspace.as_mut().map(|workspace| workspace.history.apply(Entry::Do(command)));
+        let applied =
+            self.bench.workspace.as_mut().map(|workspace| workspace.history.apply(Entry::Do(command)));
         assert_eq!(applied, Some(Ok(true)));
     }
 }
@@ -195,6 +196,35 @@ fn a_slider_previews_while_it_moves_and_changes_once_when_it_rests() {
     let changes = harness.state_mut().changes();
     let [Command::SetRetarget(settings)] = &changes[..] else { panic!("{changes:?}") };
     assert!(settings.camera_rotation.is_some() && settings.beta.is_none());
+}
+
+#[test]
+fn a_drag_that_ended_in_another_step_is_not_kept() {
+    let mut harness = at(Step::Retarget, |_| {});
+    let from = harness.get_by_role_and_label(Role::Slider, "Pitch").rect().center();
+    harness.drag_at(from);
+    harness.run_steps(1);
+    harness.hover_at(from + egui::vec2(20.0, 0.0));
+    harness.run_steps(1);
+    harness.state_mut().bench.options.step = Step::Hands;
+    harness.run_steps(1);
+    harness.drop_at(from);
+    harness.run_steps(2);
+    harness.state_mut().bench.options.step = Step::Retarget;
+    harness.run_steps(2);
+    let last = harness.state().bench.actions.last();
+    let back =
+        matches!(last, Some(Action::Preview(Command::SetRetarget(s))) if *s == RetargetSettings::default());
+    assert!(back, "{last:?}");
+    assert!(harness.state_mut().changes().is_empty());
+}
+
+#[test]
+fn the_field_of_view_is_given_for_an_unknown_camera() {
+    let mut harness = at(Step::Hands, |_| {});
+    type_number(&mut harness, "View value", "95");
+    let camera = agenticfocus::clip::CameraSpec::HorizontalFov(95.0);
+    assert_eq!(harness.state_mut().changes(), [Command::SetCamera(camera)]);
 }
 
 #[test]

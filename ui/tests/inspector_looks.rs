@@ -2,8 +2,16 @@
 
 mod support;
 
-use agenticfocus::session::Step;
-use agenticfocus_ui::{inspector::Inspector, theme::Tokens};
+use agenticfocus::{
+    engine::Access,
+    retarget::Beta,
+    session::{Command, Entry, LockHolder, RetargetSettings, Step},
+};
+use agenticfocus_ui::{
+    inspector::Inspector,
+    state::{Findings, Work},
+    theme::Tokens,
+};
 use egui_kittest::{Harness, SnapshotResults};
 use support::Bench;
 
@@ -23,6 +31,16 @@ fn harness(stage: Stage, size: [f32; 2]) -> Harness<'static, Stage> {
         },
         stage,
     )
+}
+
+/// One inspector in a state that the sample is not in.
+fn snapshot_of(step: Step, name: &str, height: f32, prepare: impl FnOnce(&mut Bench)) {
+    let mut bench = Bench::new(Tokens::dark());
+    bench.options.step = step;
+    prepare(&mut bench);
+    let mut harness = harness(Stage { bench, inspector: Inspector::default() }, [320.0, height]);
+    harness.run_steps(4);
+    harness.snapshot(name);
 }
 
 fn snapshots(step: Step, name: &str, height: f32) {
@@ -83,4 +101,42 @@ fn without_a_clip_it_says_what_to_do() {
     let mut harness = harness(stage, [320.0, 300.0]);
     harness.run_steps(2);
     harness.snapshot("inspector_empty");
+}
+
+#[test]
+fn work_in_progress_can_be_held_and_stopped() {
+    snapshot_of(Step::Masks, "inspector_masks_running", 640.0, |bench| {
+        let running = Work::Running { stage: "object", share: 0.61, left: Some(8.0), paused: false };
+        bench.workspace.as_mut().unwrap().work = running;
+    });
+}
+
+#[test]
+fn changed_parameters_have_a_dot_and_errors_a_plot() {
+    snapshot_of(Step::Retarget, "inspector_retarget_changed", 960.0, |bench| {
+        let settings = RetargetSettings {
+            beta: Some(Beta::Fixed(0.75)),
+            offset: Some([0.1, 0.0, 0.4299]),
+            ..RetargetSettings::default()
+        };
+        let workspace = bench.workspace.as_mut().unwrap();
+        workspace.history.apply(Entry::Do(Command::SetRetarget(settings))).unwrap();
+        bench.options.plot = 1;
+    });
+}
+
+#[test]
+fn an_export_says_where_it_went_in_a_session_that_is_read_only() {
+    snapshot_of(Step::Review, "inspector_review_exported", 860.0, |bench| {
+        let workspace = bench.workspace.as_mut().unwrap();
+        workspace.exported = Some(Ok("/clips/results/cup_lid".into()));
+        workspace.access = Access::ReadOnly(LockHolder { program: "agenticfocus".to_owned(), pid: 7 });
+    });
+}
+
+#[test]
+fn before_anything_was_found_steps_say_what_is_missing() {
+    snapshot_of(Step::Retarget, "inspector_retarget_nothing", 640.0, |bench| {
+        bench.workspace.as_mut().unwrap().found = Findings::default();
+    });
 }

@@ -207,26 +207,8 @@ fn scale(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         limits: 100.0..=300.0,
         decimals: 0,
     };
-    let id = ui.scope_id().with("length");
-    let held: Option<f64> = ui.data(|data| data.get_temp(id));
-    let shown = held.unwrap_or(length);
-    let edit = ui
-        .add_enabled_ui(workspace.is_writable(), |ui| {
-            row.show(ui, cx.tokens, shown, settings.hand_length.is_some())
-        })
-        .inner;
-    // Hands are fitted anew with another length: too slow to follow a slider, so only its end counts.
-    let wanted = match edit {
-        Edit::None => None,
-        Edit::Preview(value) => {
-            ui.data_mut(|data| data.insert_temp(id, value));
-            None
-        }
-        Edit::Keep(value) => Some(Some(1e-3 * value)),
-        Edit::Reset => Some(None),
-    };
-    if let Some(hand_length) = wanted {
-        ui.data_mut(|data| data.remove::<f64>(id));
+    if let Some(value) = settled(ui, cx, workspace, &row, length, settings.hand_length.is_some()) {
+        let hand_length = value.map(|millimetres| 1e-3 * millimetres);
         if hand_length != settings.hand_length {
             cx.ask(Action::Change(Command::SetRetarget(RetargetSettings { hand_length, ..settings })));
         }
@@ -239,8 +221,57 @@ fn scale(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
     if let Some(clip) = &workspace.found.clip {
         let camera = clip.intrinsics;
         let across = 2.0 * (0.5 * f64::from(camera.size.width) / camera.fx).atan().to_degrees();
+        field_of_view(ui, cx, workspace, across);
         fact(ui, cx.tokens, "Focal length", &format!("{:.0} px, {across:.0}° across", camera.fx));
         camera_source(ui, cx.tokens, &clip.intrinsics_source);
+    }
+}
+
+/// The camera's field of view, where no calibration says more.
+fn field_of_view(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace, across: f64) {
+    let given = match workspace.document().camera {
+        CameraSpec::Intrinsics { .. } => return,
+        CameraSpec::HorizontalFov(degrees) => Some(degrees),
+        CameraSpec::Unknown => None,
+    };
+    let row = Parameter {
+        name: "View",
+        hint: "The camera's horizontal field of view, as filmed",
+        unit: "°",
+        range: 40.0..=130.0,
+        limits: 1.0..=179.0,
+        decimals: 0,
+    };
+    if let Some(value) = settled(ui, cx, workspace, &row, given.unwrap_or(across), given.is_some())
+        && value != given
+    {
+        let camera = value.map_or(CameraSpec::Unknown, CameraSpec::HorizontalFov);
+        cx.ask(Action::Change(Command::SetCamera(camera)));
+    }
+}
+
+/// A number for which much is computed anew, too much to follow a slider: only where it comes to rest counts.
+/// `Some(None)` puts it back to its default.
+fn settled(
+    ui: &mut Ui,
+    cx: &Context<'_>,
+    workspace: &Workspace,
+    row: &Parameter<'_>,
+    value: f64,
+    changed: bool,
+) -> Option<Option<f64>> {
+    let id = ui.scope_id().with(row.name);
+    let shown = ui.data(|data| data.get_temp(id)).unwrap_or(value);
+    let edit = ui.add_enabled_ui(workspace.is_writable(), |ui| row.show(ui, cx.tokens, shown, changed)).inner;
+    if let Edit::Preview(value) = edit {
+        ui.data_mut(|data| data.insert_temp(id, value));
+    } else if !ui.input(|input| input.pointer.any_down()) {
+        ui.data_mut(|data| data.remove::<f64>(id));
+    }
+    match edit {
+        Edit::None | Edit::Preview(_) => None,
+        Edit::Keep(value) => Some(Some(value)),
+        Edit::Reset => Some(None),
     }
 }
 

@@ -4,7 +4,7 @@ use agenticfocus::{clip::FrameIndex, segment::MaskAuthor, session::MaskLayer};
 use egui::{Checkbox, ProgressBar, RichText, ScrollArea, Ui};
 
 use super::{
-    parts::{choice_button, empty, fact, go_to_frame, hint, section, sign, tool_button, unavailable},
+    parts::{choice_button, draft, empty, fact, go_to_frame, hint, section, sign, tool_button, unavailable},
     words::{author_of_mask, reasons_of},
 };
 use crate::{
@@ -95,6 +95,9 @@ fn this_frame(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
                 sign(ui, cx.tokens, Icon::Warning, cx.tokens.alarm, &reason);
             }
         }
+    }
+    if let Some(points) = &workspace.draft {
+        draft(ui, cx.tokens, points);
     }
     ui.add_enabled_ui(workspace.is_writable(), |ui| {
         ui.horizontal_wrapped(|ui| {

@@ -10,7 +10,7 @@ use egui::{
 };
 
 use super::{
-    parts::{TextureKey, Textures, empty, hint, section},
+    parts::{TextureKey, Textures, draft, empty, hint, section},
     words::author_of_proposal,
 };
 use crate::{
@@ -49,7 +49,10 @@ impl ObjectInspector {
                     }
                 });
             });
-            hint(ui, cx.tokens, "On a frame where all of the object is seen");
+            match &workspace.draft {
+                Some(points) => draft(ui, cx.tokens, points),
+                None => hint(ui, cx.tokens, "On a frame where all of the object is seen"),
+            }
         });
     }
 

@@ -2,7 +2,12 @@
 
 use egui::{RichText, Ui};
 
-use crate::{state::Context, theme::Tokens};
+use super::sign;
+use crate::{
+    state::{Context, Draft},
+    theme::Tokens,
+    widgets::Icon,
+};
 
 /// A part of an inspector under its heading, set off from the part above.
 pub(in crate::inspector) fn section(
@@ -32,4 +37,13 @@ pub(in crate::inspector) fn empty(ui: &mut Ui, tokens: &Tokens, what: &str, then
         ui.label(RichText::new(then).size(11.0).color(tokens.muted));
     });
     ui.add_space(16.0);
+}
+
+/// Points that are being set, and what the engine makes of them.
+pub(in crate::inspector) fn draft(ui: &mut Ui, tokens: &Tokens, draft: &Draft) {
+    let (on, beside) = (draft.positive.len(), draft.negative.len());
+    hint(ui, tokens, &format!("Points on frame {}: {on} on it, {beside} beside it", draft.frame.0));
+    if let Some(fault) = &draft.fault {
+        sign(ui, tokens, Icon::Warning, tokens.alarm, fault);
+    }
 }

@@ -79,7 +79,7 @@ pub(in crate::inspector) fn time_plot<'a>(
         .show_crosshair(false)
         .show_background(true)
         .y_axis_min_width(28.0)
-        .y_axis_formatter(move |mark, _| format!("{} {unit}", tidy(mark.value)))
+        .y_axis_formatter(move |mark, _| format!("{}{unit}", tidy(mark.value)))
         .custom_x_axes(vec![
             AxisHints::new_x().label_spacing(28.0..=44.0).formatter(|mark, _| tidy(mark.value)),
         ])

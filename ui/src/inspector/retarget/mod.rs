@@ -118,6 +118,7 @@ impl RetargetInspector {
         motion: Option<&RobotMotion>,
     ) {
         let kept = workspace.document().retarget;
+        self.drop_a_drag_that_ended_elsewhere(ui, cx, kept);
         let mut edited = self.moving.unwrap_or(kept);
         let fitted = motion.map(|motion| motion.map.beta);
         let mut result = Edit::None;
@@ -147,6 +148,14 @@ impl RetargetInspector {
         hint(ui, cx.tokens, beta);
         hint(ui, cx.tokens, "α smooths both ways in time: nothing lags");
         self.ask(cx, kept, edited, result);
+    }
+
+    /// Another step was opened while a slider moved: nobody will ever let go of it here.
+    fn drop_a_drag_that_ended_elsewhere(&mut self, ui: &Ui, cx: &mut Context<'_>, kept: RetargetSettings) {
+        let held = ui.input(|input| input.pointer.any_down() || input.pointer.any_released());
+        if !held && self.moving.take().is_some_and(|moving| moving != kept) {
+            cx.ask(Action::Preview(Command::SetRetarget(kept)));
+        }
     }
 
     /// A slider that moves is previewed; where it comes to rest is one undo step, if it is another place.

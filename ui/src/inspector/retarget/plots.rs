@@ -51,10 +51,10 @@ impl Plots {
         });
         let clicked = match cx.options.plot {
             0 => self.joint(ui, cx, workspace, motion),
-            1 => sides(ui, cx, workspace, "Position error", "cm", |side| {
+            1 => sides(ui, cx, workspace, "Position error", " cm", |side| {
                 motion.sides[side].iter().map(|r| r.driven.then_some(100.0 * r.error_position)).collect()
             }),
-            _ => sides(ui, cx, workspace, "Wrist speed", "m/s", |side| wrist_speed(&motion.sides[side])),
+            _ => sides(ui, cx, workspace, "Wrist speed", " m/s", |side| wrist_speed(&motion.sides[side])),
         };
         if let Some(frame) = clicked {
             cx.ask(Action::Seek(frame));

@@ -25,7 +25,8 @@ const REASONS: [&str; 6] =
 /// What is being typed.
 #[derive(Debug, Default)]
 pub(super) struct ReviewInspector {
-    words: Option<Words>,
+    /// The words, and the decision they started from: another one (by undo, say) brings its own.
+    words: Option<(ReviewState, Words)>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -54,7 +55,11 @@ impl ReviewInspector {
         let width = ui.available_width();
         primary_button(ui, cx, UiCommand::Accept, width);
         ui.add_space(4.0);
-        let words = self.words.get_or_insert_with(|| words_of(&workspace.document().review));
+        let review = &workspace.document().review;
+        if !self.words.as_ref().is_some_and(|(from, _)| from == review) {
+            self.words = Some((review.clone(), words_of(review)));
+        }
+        let Some((_, words)) = &mut self.words else { return };
         reasons(ui, words);
         let (reason, note) = (words.reason.trim().to_owned(), words.note.trim().to_owned());
         let mut decision = None;

@@ -28,7 +28,7 @@ pub(super) fn confidence(
         .keys()
         .map(|frame| [f64::from(frame.0), trust(frame.as_usize()).unwrap_or(0.0)])
         .collect();
-    time_plot(ui, tokens, "placement_trust", "%", workspace.playhead, &[trace], |plot| {
+    time_plot(ui, tokens, "placement_trust", " %", workspace.playhead, &[trace], |plot| {
         plot.set_plot_bounds_y(-5.0..=105.0);
         plot.points(
             Points::new("Keyframes", keyframes)
