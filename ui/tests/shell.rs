@@ -354,6 +354,49 @@ fn large_text_keeps_every_step_in_sight() {
 }
 
 #[test]
+fn escape_closes_what_lies_over_the_window() {
+    let mut harness = window(Bench::new(Tokens::dark()), NARROW);
+    harness.state_mut().options.palette_open = true;
+    harness.run();
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(!harness.state().options.palette_open);
+    harness.state_mut().options.keys_open = true;
+    harness.run();
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(!harness.state().options.keys_open);
+}
+
+#[test]
+fn going_to_a_frame_puts_the_keyboard_into_its_field() {
+    let mut shell = Shell::default();
+    let mut asked_for = true;
+    let mut harness = support::harness(Bench::new(Tokens::dark()), WIDE, move |ui, bench| {
+        if std::mem::take(&mut asked_for) {
+            assert!(shell.perform(UiCommand::GoToFrame, &mut bench.context()));
+        }
+        shell.show(ui, &mut bench.context(), |_, _| {}, |_, _| {});
+    });
+    harness.run();
+    assert!(harness.get_by_label("Frame").accesskit_node().is_focused());
+}
+
+#[test]
+fn ctrl_and_wheel_zoom_the_timeline_at_the_pointer() {
+    let mut harness = window(Bench::new(Tokens::light()), NARROW);
+    harness.run();
+    let rect = harness.get_by_label("Timeline").rect();
+    harness.hover_at(pos2(rect.left() + 500.0, rect.top() + 30.0));
+    harness.run();
+    harness.event(egui::Event::Zoom(3.0));
+    harness.run();
+    harness.hover_at(pos2(100.0, 100.0));
+    harness.run();
+    harness.snapshot("timeline_zoomed");
+}
+
+#[test]
 fn every_frame_is_drawn_as_what_it_is() {
     let workspace = support::sample_workspace();
     let rows = Rows::new(&workspace);

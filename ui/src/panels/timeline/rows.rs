@@ -107,6 +107,7 @@ fn label_step(scale: &Scale) -> f64 {
 }
 
 fn ruler(painter: &Painter, tokens: &Tokens, scale: &Scale, places: &Places, workspace: &Workspace) {
+    let painter = &painter.with_clip_rect(places.ruler.intersect(painter.clip_rect()));
     let step = label_step(scale);
     let (first, last) = scale.in_sight();
     let seconds = |frame: u32| workspace.seconds(agenticfocus::clip::FrameIndex(frame));
@@ -258,6 +259,8 @@ fn order(painter: &Painter, tokens: &Tokens, rows: &Rows, scale: &Scale, place: 
 
 /// Trust as a curve over the line below which a look is wanted.
 fn quality(painter: &Painter, tokens: &Tokens, rows: &Rows, scale: &Scale, place: Rect) {
+    // The first and the last frame in sight may lie half outside.
+    let painter = &painter.with_clip_rect(place.expand(1.0).intersect(painter.clip_rect()));
     let y = |value: f32| place.bottom() - value.clamp(0.0, 1.0) * place.height();
     dashes(painter, place.x_range(), y(DOUBT), Stroke::new(1.0, tokens.line));
     let curve = columns(scale, &rows.quality, f32::min);
