@@ -168,6 +168,17 @@ fn a_polygon_takes_the_pixels_whose_centres_it_encloses() {
 }
 
 #[test]
+fn a_ring_is_filled_and_a_bay_is_not() {
+    let ring = |x: u32, y: u32| {
+        (5..15).contains(&x) && (5..15).contains(&y) && !((8..12).contains(&x) && (8..12).contains(&y))
+    };
+    let mut mask = Mask::from_fn(SIZE, |x, y| ring(x, y) || (x > 20 && !(y == 10 && x > 25)));
+    paint::fill_holes(&mut mask);
+    assert!(mask.get(10, 10), "the ring's hole");
+    assert!(!mask.get(30, 10), "a bay open to the picture's border");
+}
+
+#[test]
 fn a_thin_fast_stroke_has_no_gaps() {
     let mut mask = Mask::new(SIZE);
     paint::stroke(&mut mask, Pixel::new(0.3, 0.4), Pixel::new(35.7, 27.1), 0.1, true);

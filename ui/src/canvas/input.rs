@@ -1,5 +1,5 @@
-//! What the pointer did on the canvas since the last frame, in order and with nothing left out: a quick stroke is
-//! many movements between two frames.
+//! What the pointer did on the canvas since the last frame, in order and with nothing left out: a quick
+//! stroke is many movements between two frames.
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Response, Ui};
 
@@ -14,8 +14,8 @@ pub(super) enum PointerEvent {
     Release { at: Pos2, button: PointerButton },
 }
 
-/// All of it. Presses on what lies over the canvas are left out. `was_down` remembers whether a button was down: one
-/// that comes up without a word, because the window lost the pointer, is told too.
+/// All of it. Presses on what lies over the canvas are left out. `was_down` remembers whether a button was
+/// down: one that comes up without a word, because the window lost the pointer, is told too.
 pub(super) fn pointer_events(ui: &Ui, response: &Response, was_down: &mut bool) -> Vec<PointerEvent> {
     let here = response.hovered() || response.is_pointer_button_down_on();
     let read = |event: &Event| match *event {

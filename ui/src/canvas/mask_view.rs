@@ -1,4 +1,5 @@
-//! One mask layer on screen: a texture for its fill and lines for its border, both kept until the mask changes.
+//! One mask layer on screen: a texture for its fill and lines for its border, both kept until the mask
+//! changes.
 
 use std::sync::Arc;
 

@@ -22,8 +22,8 @@ pub(super) const BRUSHES: (f32, f32) = (0.5, 400.0);
 const FILL_STEP: f32 = 0.1;
 
 impl Canvas {
-    /// Carries out `command` if it concerns the canvas and there is something to carry out; false leaves it to
-    /// others.
+    /// Carries out `command` if it concerns the canvas and there is something to carry out; false leaves it
+    /// to others.
     pub fn perform(&mut self, command: UiCommand, cx: &mut Context<'_>) -> bool {
         self.perform_on_view(command)
             || perform_on_tools(self, command, cx)

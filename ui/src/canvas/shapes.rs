@@ -182,8 +182,8 @@ fn words(painter: &Painter, tokens: &Tokens, text: &str) -> Arc<egui::Galley> {
     painter.layout_no_wrap(text.to_owned(), FontId::proportional(Tokens::SMALL), tokens.text)
 }
 
-/// The brush's footprint. A dark and a light ring: one of them is seen on every picture. Taking away is a ring with a
-/// bar, whatever its colours look like.
+/// The brush's footprint. A dark and a light ring: one of them is seen on every picture. Taking away is a
+/// ring with a bar, whatever its colours look like.
 pub(super) fn brush_ring(painter: &Painter, at: Pos2, radius: f32, taking: bool) {
     painter.circle_stroke(at, radius, Stroke::new(3.0, rim_colour()));
     painter.circle_stroke(at, radius, Stroke::new(1.5, Color32::WHITE));

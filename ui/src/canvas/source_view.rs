@@ -8,7 +8,8 @@ use egui::{Color32, ColorImage, Pos2, Rect, pos2};
 use super::{scene::Scene, texture::Texture};
 use crate::state::Context;
 
-/// Seconds after which a picture that is not the right one is dimmed: any sooner it would flicker while playing.
+/// Seconds after which a picture that is not the right one is dimmed: any sooner it would flicker while
+/// playing.
 const PATIENCE: f64 = 0.15;
 /// How much is left of its brightness then.
 const DIMMED: f32 = 0.45;
@@ -20,8 +21,8 @@ pub(super) struct Patience {
 }
 
 impl Patience {
-    /// How bright to draw what is here: 1 when it is the right thing or the wait is short. While the clip plays,
-    /// pictures are always about to come.
+    /// How bright to draw what is here: 1 when it is the right thing or the wait is short. While the clip
+    /// plays, pictures are always about to come.
     pub fn strength(&mut self, right: bool, playing: bool, scene: &Scene<'_>) -> f32 {
         if right || playing {
             self.since = None;

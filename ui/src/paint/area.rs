@@ -24,8 +24,8 @@ impl Area {
         (size.area() > 0).then_some(Self { x0: 0, y0: 0, x1: size.width, y1: size.height })
     }
 
-    /// The pixels whose centres lie in the closed rectangle between two corners; `None` when there are none in
-    /// the picture or a coordinate is no number.
+    /// The pixels whose centres lie in the closed rectangle between two corners; `None` when there are none
+    /// in the picture or a coordinate is no number.
     pub fn between(low: Pixel, high: Pixel, size: Size) -> Option<Self> {
         if [low.x, low.y, high.x, high.y].iter().any(|value| value.is_nan()) {
             return None;

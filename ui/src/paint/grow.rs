@@ -14,8 +14,8 @@ pub fn grow(mask: &Mask, radius: u32) -> Mask {
     grown
 }
 
-/// Every pixel inside that is farther than `radius` from every pixel of the picture outside. The picture's border
-/// is no border of the mask: what leaves the picture stays whole there.
+/// Every pixel inside that is farther than `radius` from every pixel of the picture outside. The picture's
+/// border is no border of the mask: what leaves the picture stays whole there.
 #[must_use]
 pub fn shrink(mask: &Mask, radius: u32) -> Mask {
     let mut shrunk = mask.clone();
@@ -25,8 +25,8 @@ pub fn shrink(mask: &Mask, radius: u32) -> Mask {
     shrunk
 }
 
-/// Gives `target` the value `inside` wherever a disc about a pixel of that value in `area` reaches. Runs of pixels
-/// are moved as a whole: a disc's row widens a run by the same amount on both sides.
+/// Gives `target` the value `inside` wherever a disc about a pixel of that value in `area` reaches. Runs of
+/// pixels are moved as a whole: a disc's row widens a run by the same amount on both sides.
 fn spread(mask: &Mask, target: &mut Mask, area: Area, radius: u32, inside: bool) {
     let size = mask.size();
     let (width, height) = (size.width as usize, i64::from(size.height));

@@ -4,39 +4,50 @@ use agenticfocus::image::Mask;
 
 use super::Area;
 
+/// What is known of a pixel while the outside is searched.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Cell {
+    /// In the mask.
+    Inside,
+    /// Not in the mask, not reached: a hole, if it stays so.
+    Unreached,
+    /// Reached from the picture's border.
+    Open,
+}
+
 /// Puts everything inside that cannot be reached from the picture's border without crossing the mask (stepping
 /// sideways, up and down). Tells which rectangle may have changed; `None` when the mask is empty.
 pub fn fill_holes(mask: &mut Mask) -> Option<Area> {
     let area = Area::of(mask)?;
     // One ring of outside around the mask makes everything beside it one piece.
-    let (width, height) = (area.width() + 2, area.height() + 2);
-    let mut open = vec![false; width * height];
-    let is_inside = |at: usize| {
-        let (x, y) = (at % width, at / width);
-        let ring = x == 0 || y == 0 || x == width - 1 || y == height - 1;
-        !ring && mask.get(area.x0 + x as u32 - 1, area.y0 + y as u32 - 1)
-    };
-    let mut pending = vec![0];
-    open[0] = true;
+    let width = area.width() + 2;
+    let mut cells = vec![Cell::Open; width * (area.height() + 2)];
+    let mut pending = Vec::new();
+    for (row, y) in (area.y0..area.y1).enumerate() {
+        for (column, x) in (area.x0..area.x1).enumerate() {
+            let at = (row + 1) * width + column + 1;
+            let edge = x == area.x0 || y == area.y0 || x + 1 == area.x1 || y + 1 == area.y1;
+            cells[at] = match (mask.get(x, y), edge) {
+                (true, _) => Cell::Inside,
+                (false, false) => Cell::Unreached,
+                (false, true) => {
+                    pending.push(at);
+                    Cell::Open
+                }
+            };
+        }
+    }
     while let Some(at) = pending.pop() {
-        let (x, y) = (at % width, at / width);
-        let beside = [
-            (x > 0).then(|| at - 1),
-            (x + 1 < width).then_some(at + 1),
-            (y > 0).then(|| at - width),
-            (y + 1 < height).then_some(at + width),
-        ];
-        for next in beside.into_iter().flatten() {
-            if !open[next] && !is_inside(next) {
-                open[next] = true;
+        for next in [at - 1, at + 1, at - width, at + width] {
+            if cells[next] == Cell::Unreached {
+                cells[next] = Cell::Open;
                 pending.push(next);
             }
         }
     }
-    for y in area.y0..area.y1 {
-        for x in area.x0..area.x1 {
-            let at = (y - area.y0 + 1) as usize * width + (x - area.x0 + 1) as usize;
-            if !open[at] {
+    for (row, y) in (area.y0..area.y1).enumerate() {
+        for (column, x) in (area.x0..area.x1).enumerate() {
+            if cells[(row + 1) * width + column + 1] == Cell::Unreached {
                 mask.set(x, y, true);
             }
         }

@@ -7,8 +7,8 @@ use super::Area;
 /// A closed line between pixels inside and outside.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outline {
-    /// Where it turns, in columns and rows: (x, y) is the top-left corner of that pixel. The inside lies on the
-    /// right-hand side of the way.
+    /// Where it turns, in columns and rows: (x, y) is the top-left corner of that pixel. The inside lies on
+    /// the right-hand side of the way.
     pub corners: Vec<[u32; 2]>,
     /// A pixel inside that the line runs along.
     pub inside: [u32; 2],
@@ -41,7 +41,8 @@ pub fn outline(mask: &Mask) -> Vec<Outline> {
     lines
 }
 
-/// Follows the line that goes east along the top edge of the pixel `start`, calling `walked` for each top edge.
+/// Follows the line that goes east along the top edge of the pixel `start`, calling `walked` for each top
+/// edge.
 fn walk(mask: &Mask, start: [u32; 2], mut walked: impl FnMut(u32, u32)) -> Outline {
     let is_inside = |x: i64, y: i64| x >= 0 && y >= 0 && mask.get(x as u32, y as u32);
     let first = [i64::from(start[0]), i64::from(start[1])];

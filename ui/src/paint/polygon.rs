@@ -7,10 +7,11 @@ use agenticfocus::{
 
 use super::area::{Area, set_span};
 
-/// Puts the columns and rows that a box covers by half or more inside or outside; `None` when there are none in the
-/// picture.
+/// Puts the columns and rows that a box covers by half or more inside or outside; `None` when there are none
+/// in the picture.
 pub fn fill_box(mask: &mut Mask, pixel_box: &PixelBox, inside: bool) -> Option<Area> {
-    // A box counts from the corner of the first pixel, positions count from its centre; its far edges are exclusive.
+    // A box counts from the corner of the first pixel, positions count from its centre; its far edges are
+    // exclusive.
     let low = Pixel::new(pixel_box.x0 - 0.5, pixel_box.y0 - 0.5);
     let high = Pixel::new(pixel_box.x1 - 0.5 - 1e-9, pixel_box.y1 - 0.5 - 1e-9);
     let area = Area::between(low, high, mask.size())?;
@@ -20,8 +21,8 @@ pub fn fill_box(mask: &mut Mask, pixel_box: &PixelBox, inside: bool) -> Option<A
     Some(area)
 }
 
-/// Puts the pixels whose centres a closed line encloses an odd number of times inside or outside; corners that
-/// are no numbers are left out. `None` when nothing lies in the picture.
+/// Puts the pixels whose centres a closed line encloses an odd number of times inside or outside; corners
+/// that are no numbers are left out. `None` when nothing lies in the picture.
 pub fn fill_polygon(mask: &mut Mask, corners: &[Pixel], inside: bool) -> Option<Area> {
     // Far corners keep their direction and stay where arithmetic is exact enough.
     let bounded = |value: f64| value.clamp(-1e7, 1e7);

@@ -25,8 +25,8 @@ pub fn stroke(mask: &mut Mask, from: Pixel, to: Pixel, radius: f64, inside: bool
     Some(area)
 }
 
-/// Where row `y` cuts the set of points no farther than `radius` from a line: the set is convex, so its cut is the
-/// hull of the cuts of its parts.
+/// Where row `y` cuts the set of points no farther than `radius` from a line: the set is convex, so its cut
+/// is the hull of the cuts of its parts.
 fn row_of_capsule(from: Pixel, to: Pixel, radius: f64, y: f64) -> Option<(f64, f64)> {
     let parts = [row_of_disc(from, radius, y), row_of_disc(to, radius, y), row_of_band(from, to, radius, y)];
     parts.into_iter().flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))

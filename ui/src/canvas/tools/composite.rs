@@ -34,8 +34,8 @@ enum Kind {
 }
 
 impl CompositeView {
-    /// Draws the composite over the source that is drawn already; `strength` below 1 says that it is not the one
-    /// for this frame and document.
+    /// Draws the composite over the source that is drawn already; `strength` below 1 says that it is not the
+    /// one for this frame and document.
     pub fn draw(
         &mut self,
         layers: &Arc<Layers>,

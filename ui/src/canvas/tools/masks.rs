@@ -305,7 +305,8 @@ impl MaskTools {
         busy
     }
 
-    /// Closes the polygon or takes the mask that was made from points; false when there was nothing to finish.
+    /// Closes the polygon or takes the mask that was made from points; false when there was nothing to
+    /// finish.
     pub fn finish(&mut self, cx: &mut Context<'_>) -> bool {
         if let Some(Edit { layer, work: Work::Shape { shape, .. }, .. }) = &self.edit {
             let (layer, shape) = (*layer, shape.clone());

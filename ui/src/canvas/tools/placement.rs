@@ -24,8 +24,8 @@ pub(super) fn turned(transform: &Matrix3<f64>, centre: Pixel, scale: f64, angle:
     Matrix3::new(c, -s, x, s, c, y, 0.0, 0.0, 1.0) * transform
 }
 
-/// The tight rectangle of a template's visible pixels, its corners clockwise from the top left, as positions on
-/// the template.
+/// The tight rectangle of a template's visible pixels, its corners clockwise from the top left, as positions
+/// on the template.
 pub(super) fn frame_of(template: &TemplateTrack) -> [Pixel; 4] {
     let size = template.picture.size();
     let (mut low, mut high) = ((u32::MAX, u32::MAX), (0, 0));
