@@ -225,7 +225,7 @@ mod tests {
                 .map(|(_, command)| command)
         };
         assert_eq!(best("undo"), Some(UiCommand::Undo));
-        assert_eq!(best("pf"), Some(UiCommand::PropagateForward));
+        assert_eq!(best("prof"), Some(UiCommand::PropagateForward));
         assert_eq!(best("swap l"), Some(UiCommand::SwapSides));
         assert_eq!(best("xyzzy"), None);
     }
