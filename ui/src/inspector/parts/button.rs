@@ -74,6 +74,10 @@ pub(in crate::inspector) fn primary_button(
     width: f32,
 ) -> Response {
     let key = command.keys().first().map(|key| key_text(ui.ctx(), key)).unwrap_or_default();
+    if !ui.is_enabled() || blocked(cx, command).is_some() {
+        // Out of reach it does not stand out: greyed letters on the accent could not be read.
+        return of_command(ui, cx, command, Button::new(command.text()), width);
+    }
     let colour = cx.tokens.on_accent;
     let button = Button::new(RichText::new(command.text()).strong().color(colour))
         .right_text(RichText::new(key).size(11.0).color(colour))

@@ -26,7 +26,7 @@ use egui::{RichText, Ui, vec2};
 
 use super::{
     hands::mark_of,
-    parts::{Edit, Textures, empty, hint, mark, section},
+    parts::{Edit, Textures, hint, mark, section},
 };
 use crate::{
     action::Action,
@@ -55,9 +55,8 @@ impl RetargetInspector {
         let motion = workspace.found.motion.clone();
         ui.add_space(4.0);
         scene::show(ui, cx, workspace, motion.as_deref(), textures);
-        match &motion {
-            Some(motion) => self.numbers(ui, cx, motion),
-            None => empty(ui, cx.tokens, "No motion yet", "It follows the hands; parameters hold already"),
+        if let Some(motion) = &motion {
+            self.numbers(ui, cx, motion);
         }
         section(ui, cx, "Scale and camera", |ui, cx| {
             ui.add_enabled_ui(workspace.is_writable(), |ui| {

@@ -14,7 +14,7 @@ use super::view::{View, shifted, turned, zoomed};
 use crate::{
     inspector::{
         hands::mark_of,
-        parts::{TextureKey, Textures, hint, picture_of_rgb},
+        parts::{TextureKey, Textures, empty, hint, picture_of_rgb},
     },
     state::{Context, Workspace},
 };
@@ -50,9 +50,17 @@ pub(super) fn show(
         }
         let over = Overlay { view: View::new(&camera, size, place), painter: &painter };
         over.draw(cx, workspace, motion);
+    } else {
+        let inside =
+            egui::UiBuilder::new().max_rect(place).layout(egui::Layout::top_down(egui::Align::Center));
+        let mut inside = ui.new_child(inside);
+        inside.add_space(0.5 * HEIGHT - 40.0);
+        empty(&mut inside, cx.tokens, "No motion yet", "It follows the hands; parameters hold already");
     }
     ui.painter().rect_stroke(place, 4.0, Stroke::new(1.0, cx.tokens.line), egui::StrokeKind::Inside);
-    hint(ui, cx.tokens, "Drag turns, wheel zooms, double click resets");
+    if motion.is_some() {
+        hint(ui, cx.tokens, "Drag turns, wheel zooms, double click resets");
+    }
 }
 
 fn navigate(ui: &Ui, cx: &mut Context<'_>, place: Rect, response: &egui::Response) {
