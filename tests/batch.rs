@@ -1,6 +1,10 @@
 //! A batch does every clip it can, says what it cannot, and gives the same bytes however it was disturbed.
 #![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
 
+#[path = "support/program.rs"]
+mod program;
+mod support;
+
 use std::{
     collections::BTreeMap,
     fs,
@@ -11,56 +15,11 @@ use std::{
 
 use agenticfocus::{
     clip::FrameIndex,
-    geometry::{Side, Size},
-    progress::Unwatched,
     session::{Author, Command as SessionCommand, MaskEdit, MaskLayer, Session},
-    synth::{Episode, EpisodeSpec, generate},
 };
 use serde_json::json;
-
-/// A short small episode with its true hands, so that no estimator is needed.
-fn episode(folder: &Path) -> Episode {
-    let spec = EpisodeSpec { seed: 2, size: Size::new(320, 240), frames: 20, ..EpisodeSpec::default() };
-    generate(&spec, folder, &Unwatched).unwrap();
-    Episode::load(folder).unwrap()
-}
-
-fn hand_track(episode: &Episode) -> serde_json::Value {
-    let side = |side: Side| -> Vec<_> {
-        let frames = episode.truth.frames.iter();
-        frames
-            .map(|frame| frame.hands[side].as_ref().filter(|hand| hand.in_view).map(|hand| hand.joints))
-            .collect()
-    };
-    json!({ "fps": 30, "left_joints_cam": side(Side::Left), "right_joints_cam": side(Side::Right) })
-}
-
-/// A manifest of the same episode under several ids, and what else it holds.
-fn manifest(folder: &Path, ids: &[&str], more: &str) -> PathBuf {
-    let truth = Episode::load(folder).unwrap();
-    fs::write(folder.join("hands.json"), hand_track(&truth).to_string()).unwrap();
-    let camera = truth.truth.pinhole;
-    let b = truth.object_visible(FrameIndex(0)).unwrap().bounding_box().unwrap();
-    let mut text = String::new();
-    for id in ids {
-        text += &format!(
-            "[[clip]]\nid = \"{id}\"\npath = \"clip.mp4\"\nhands = {{ track = \"hands.json\" }}\n\
-             object = {{ frame = 0, box = [{}, {}, {}, {}] }}\n\
-             camera = {{ fx = {}, fy = {}, cx = {}, cy = {} }}\n",
-            b.x0, b.y0, b.x1, b.y1, camera.fx, camera.fy, camera.cx, camera.cy
-        );
-    }
-    let path = folder.join("manifest.toml");
-    fs::write(&path, text + more).unwrap();
-    path
-}
-
-fn batch(inputs: &[&Path], out: &Path, more: &[&str]) -> Output {
-    let program = env!("CARGO_BIN_EXE_agenticfocus");
-    let mut command = Command::new(program);
-    command.env("XDG_DATA_HOME", out.join("no-data"));
-    command.arg("--batch").args(inputs).arg("--out").arg(out).args(more).output().unwrap()
-}
+use program::batch;
+use support::{episode, manifest};
 
 /// Bytes of the record and the masks, by file.
 fn essence(folder: &Path) -> BTreeMap<String, blake3::Hash> {

@@ -5,6 +5,7 @@ use std::{collections::BTreeMap, path::PathBuf, sync::Arc, time::SystemTime};
 use super::{Finding, PictureRequest, Revision, Shown};
 use crate::{
     clip::FrameIndex,
+    geometry::Pixel,
     image::Rgb8,
     segment::RleMask,
     session::{Author, Command, History, LockHolder, MaskId, MaskLayer, ReviewState},
@@ -144,6 +145,8 @@ pub enum Event {
         layer: MaskLayer,
         /// On which frame.
         frame: FrameIndex,
+        /// The points it was made from: on it and beside it.
+        points: (Vec<Pixel>, Vec<Pixel>),
         /// The mask, or why there is none.
         result: Result<Arc<RleMask>, String>,
     },

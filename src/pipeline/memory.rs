@@ -9,11 +9,14 @@ use std::{
 use super::{Key, Stage};
 use crate::clip::{ClipRequest, StandardClip};
 
+/// An artifact of any type, by the key of what went into it.
+type Kept = (Key, Arc<dyn Any + Send + Sync>);
+
 /// The newest artifact of every stage, and the decoded clip.
 #[derive(Debug, Default)]
 pub struct Memory {
     clip: Mutex<Option<(ClipRequest, Arc<StandardClip>)>>,
-    artifacts: Mutex<BTreeMap<Stage, (Key, Arc<dyn Any + Send + Sync>)>>,
+    artifacts: Mutex<BTreeMap<Stage, Kept>>,
 }
 
 impl Memory {

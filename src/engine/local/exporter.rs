@@ -14,6 +14,7 @@ use super::{listener::seconds_left, panic_text, scene::Shared, worker::told};
 use crate::{
     engine::{Event, WorkFailure},
     pipeline::{ClipFailure, ClipJob, ExitCode, Listener, Stage, run_clip},
+    session::Session,
 };
 
 struct ExportListener<'a> {
@@ -53,7 +54,10 @@ pub(super) fn start(shared: &Arc<Shared>, job: ClipJob, folder: PathBuf) {
 }
 
 fn export(shared: &Shared, job: &ClipJob, folder: &Path) -> Result<PathBuf, Option<WorkFailure>> {
-    let job = ClipJob { session: Some(folder.to_owned()), ..job.clone() };
+    // What a manifest said about the object stands in the session once it was worked on.
+    let known = Session::open_read_only(folder).is_ok_and(|(session, _)| session.document().object.is_some());
+    let object = job.object.clone().filter(|_| !known);
+    let job = ClipJob { session: Some(folder.to_owned()), object, ..job.clone() };
     let out = folder.parent().map_or_else(|| shared.out.clone(), Path::to_owned);
     let listener = ExportListener { shared, began: Instant::now() };
     let cancel: &AtomicBool = &shared.export_cancel;

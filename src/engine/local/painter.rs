@@ -48,8 +48,9 @@ pub(super) fn run(shared: &Shared) {
             PaintJob::Draft(wish) => {
                 let drawn = catch_unwind(AssertUnwindSafe(|| draft(shared, &wish)));
                 let result = drawn.unwrap_or_else(|panic| Err(panic_text(&*panic)));
-                let DraftWish { layer, frame, .. } = wish;
-                shared.tell(Event::Draft { layer, frame, result: result.map(Arc::new) });
+                let DraftWish { layer, frame, positive, negative, .. } = wish;
+                let points = (positive, negative);
+                shared.tell(Event::Draft { layer, frame, points, result: result.map(Arc::new) });
             }
         }
     }

@@ -13,7 +13,7 @@ use super::{Outbox, place_of};
 use crate::{
     clip::FrameIndex,
     engine::{Event, PictureRequest, Revision},
-    geometry::Pixel,
+    geometry::{Pixel, Side},
     pipeline::{ClipJob, Evidence, Installation, LayerPlan, Memory, Stage, Understood},
     session::{Document, MaskLayer},
 };
@@ -293,17 +293,30 @@ fn first_affected(old: &Document, new: &Document) -> Option<Stage> {
     let differs = [
         (old.clip != new.clip || old.camera != new.camera, Stage::Clip),
         (
-            (&old.hand_track, &old.hand_edits, &old.sides_swapped)
-                != (&new.hand_track, &new.hand_edits, &new.sides_swapped),
+            (&old.hand_track, struck_out(old), &old.sides_swapped)
+                != (&new.hand_track, struck_out(new), &new.sides_swapped),
             Stage::Landmarks,
         ),
         (old.arm_masks != new.arm_masks || old.object != new.object, Stage::Arms),
         (old.object_masks != new.object_masks, Stage::Object),
         (old.template != new.template, Stage::Template),
-        (old.retarget.hand_length != new.retarget.hand_length, Stage::Hands),
+        (
+            old.hand_edits != new.hand_edits || old.retarget.hand_length != new.retarget.hand_length,
+            Stage::Hands,
+        ),
         (old.retarget != new.retarget, Stage::Retarget),
     ];
     differs.into_iter().find(|(differs, _)| *differs).map(|(_, stage)| stage)
+}
+
+/// Hands a person struck out, by side and frame.
+fn struck_out(document: &Document) -> Vec<(Side, FrameIndex)> {
+    let edits = document.hand_edits.iter();
+    edits
+        .flat_map(|(side, edits)| edits.iter().map(move |(frame, edit)| (side, *frame, edit)))
+        .filter(|(_, _, edit)| edit.invalid)
+        .map(|(side, frame, _)| (side, frame))
+        .collect()
 }
 
 #[cfg(test)]

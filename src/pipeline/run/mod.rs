@@ -209,7 +209,8 @@ fn understand(
     let imported = move_robot::imported_track(context, &clip)?;
     let (seen, landmark_key) = understand::landmarks(context, &clip, imported.as_ref(), &clip_key)?;
     let seen = Arc::new(seen);
-    listener.found(Finding::Landmarks(Arc::new(seen.landmarks.clone())));
+    let (corrected, corrected_key) = understand::corrected(context, &seen, &landmark_key)?;
+    listener.found(Finding::Landmarks(Arc::new(corrected.landmarks.clone())));
     let (arms, arms_key) = understand::arms(context, job, &clip, &seen.landmarks, &landmark_key)?;
     listener.found(Finding::Arms(Arc::clone(&arms)));
     let choice =
@@ -232,8 +233,8 @@ fn understand(
                 understand::template(context, &clip, object, arms, &seen.landmarks)?;
             listener.found(Finding::Template(template.clone()));
             let around = move_robot::surroundings(arms.0, template.as_deref());
-            let keys = [&landmark_key, &arms_key, &template_key];
-            let (hands, hands_key) = move_robot::hands(context, &clip, imported, &seen, &around, keys)?;
+            let keys = [&corrected_key, &arms_key, &template_key];
+            let (hands, hands_key) = move_robot::hands(context, &clip, imported, &corrected, &around, keys)?;
             listener.found(Finding::Hands(Arc::clone(&hands)));
             let (robot, motion) = move_robot::retarget(context, &hands, &hands_key)?;
             listener.found(Finding::Motion(Arc::clone(&motion)));

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     context::Context,
-    edits::{edited_landmarks, human_masks},
+    edits::{human_masks, landmarks_with_keypoints, landmarks_with_sides},
     source::standard_prompt,
 };
 use crate::{
@@ -54,9 +54,26 @@ pub(super) fn landmarks(
         })?
     };
     let document = &context.document;
-    let key = Key::new(Stage::Landmarks, &[&key], &(&document.hand_edits, &document.sides_swapped))?;
-    let landmarks = edited_landmarks(estimation.landmarks.clone(), document);
+    let struck_out = document.hand_edits.iter().map(|(_, edits)| {
+        let invalid = edits.iter().filter(|(_, edit)| edit.invalid);
+        invalid.map(|(frame, _)| *frame).collect::<Vec<_>>()
+    });
+    let inputs = (struck_out.collect::<Vec<_>>(), &document.sides_swapped);
+    let key = Key::new(Stage::Landmarks, &[&key], &inputs)?;
+    let landmarks = landmarks_with_sides(estimation.landmarks.clone(), document);
     Ok((Estimation { landmarks, backend: estimation.backend.clone() }, key))
+}
+
+/// The landmarks that hands are fitted to: with the keypoints a person moved.
+pub(super) fn corrected(
+    context: &Context<'_>,
+    seen: &Estimation,
+    key: &Key,
+) -> Result<(Estimation, Key), ClipFailure> {
+    let document = &context.document;
+    let key = Key::new(Stage::Landmarks, &[key], &document.hand_edits)?;
+    let landmarks = landmarks_with_keypoints(seen.landmarks.clone(), document);
+    Ok((Estimation { landmarks, backend: seen.backend.clone() }, key))
 }
 
 /// An imported track as an estimator would have seen it.
