@@ -1,6 +1,7 @@
 //! The operator's desktop application: panels over a session's history and an engine handle.
 
 pub mod action;
+pub mod app;
 pub mod canvas;
 pub mod inspector;
 pub mod key_sheet;
@@ -9,5 +10,7 @@ pub mod palette;
 pub mod panels;
 pub mod state;
 pub mod theme;
+#[cfg(feature = "engine")]
+pub mod tour;
 pub mod ui_command;
 pub mod widgets;

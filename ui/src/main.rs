@@ -1,1 +1,80 @@
-fn main(){}
+//! `agenticfocus-ui`: the window on this machine, with the engine in this process.
+
+use std::{path::PathBuf, process::ExitCode, sync::Arc};
+
+use agenticfocus::{engine::LocalEngine, pipeline::Installation};
+use agenticfocus_ui::{
+    app::{NativeDialogs, OperatorApp},
+    tour::Tour,
+};
+use clap::Parser;
+
+/// Curate clips: correct object, masks, template, hands and the robot's motion, and judge the result.
+#[derive(Debug, Parser)]
+#[command(name = "agenticfocus-ui", version)]
+struct Arguments {
+    /// A clip, a session (NAME.afs), a folder of clips, or a manifest
+    input: Option<PathBuf>,
+
+    /// Where sessions of opened clips and results go
+    #[arg(long, value_name = "DIR", default_value = "sessions")]
+    out: PathBuf,
+
+    /// Go through all steps of the clip, save a picture of each in this folder, and end
+    #[arg(long, value_name = "DIR", requires = "input")]
+    screenshots: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("AgenticFocus")
+            .with_app_id("agenticfocus")
+            .with_inner_size([1440.0, 900.0])
+            .with_min_inner_size([900.0, 600.0])
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Wgpu,
+        ..eframe::NativeOptions::default()
+    };
+    let run = eframe::run_native(
+        "AgenticFocus",
+        options,
+        Box::new(|creation| {
+            let context = creation.egui_ctx.clone();
+            let waker = Arc::new(move || context.request_repaint());
+            let engine = LocalEngine::start(arguments.out, Installation::locate(), waker);
+            let mut app = OperatorApp::new(Box::new(engine), Box::<NativeDialogs>::default());
+            if let Some(input) = arguments.input {
+                app.open(input);
+            }
+            let tour = arguments.screenshots.map(Tour::new);
+            Ok(Box::new(Window { app, tour }))
+        }),
+    );
+    match run {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("agenticfocus-ui: no window: {error}; a display and a Vulkan or OpenGL driver are needed");
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// The app as eframe wants it.
+struct Window {
+    app: OperatorApp,
+    tour: Option<Tour>,
+}
+
+impl eframe::App for Window {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        if let Some(tour) = &mut self.tour {
+            tour.walk(ui.ctx(), &mut self.app);
+            if let Some(fault) = tour.fault.take() {
+                eprintln!("agenticfocus-ui: {fault}");
+            }
+        }
+        self.app.show(ui);
+    }
+}

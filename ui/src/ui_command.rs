@@ -1,5 +1,6 @@
 //! Everything the operator can do, by key, by palette and by button.
 
+use agenticfocus::session::Step;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 /// Where a command's keys hold. Global keys are unique; steps may use the same key for different things.
@@ -21,6 +22,21 @@ pub enum Scope {
     Composite,
     /// In the step of that name.
     Review,
+}
+
+impl Scope {
+    /// Where the keys of `step` hold.
+    pub fn of(step: Step) -> Self {
+        match step {
+            Step::Object => Self::Object,
+            Step::Masks => Self::Masks,
+            Step::Template => Self::Template,
+            Step::Hands => Self::Hands,
+            Step::Retarget => Self::Retarget,
+            Step::Composite => Self::Composite,
+            Step::Review => Self::Review,
+        }
+    }
 }
 
 /// Something the operator can do.

@@ -1,0 +1,68 @@
+//! From keys to commands.
+
+use std::cmp::Reverse;
+
+use egui::{Context, Key, KeyboardShortcut, Modifiers};
+
+use super::OperatorApp;
+use crate::{
+    action::Action,
+    ui_command::{Scope, UiCommand},
+};
+
+impl OperatorApp {
+    /// Commands whose keys were pressed. While somebody types, only keys with Ctrl and the palette's count.
+    pub(super) fn take_keys(&mut self, ctx: &Context) -> Vec<Action> {
+        let typing = ctx.text_edit_focused();
+        let scope = Scope::of(self.options.step);
+        let dialog = self.options.palette_open || self.options.keys_open;
+        let mut commands: Vec<(UiCommand, KeyboardShortcut)> = UiCommand::all()
+            .filter(|command| command.scope() == Scope::Global || (command.scope() == scope && !dialog))
+            .flat_map(|command| command.keys().iter().map(move |key| (command, *key)))
+            .filter(|(command, key)| {
+                let with_control = key.modifiers.command;
+                !(typing && !with_control) && (!dialog || closes_dialog(*command) || with_control)
+            })
+            .collect();
+        // A shortcut with more modifiers is the more special one; the step's own meaning comes before the global one.
+        commands.sort_by_key(|(command, key)| {
+            (Reverse(modifier_count(key.modifiers)), command.scope() == Scope::Global)
+        });
+        let mut actions = Vec::new();
+        for (command, key) in commands {
+            // Hiding masks lasts as long as its key; the canvas peeks at it.
+            if command == UiCommand::HideMasks {
+                self.options.masks_hidden = !typing && ctx.input(|input| input.key_down(key.logical_key));
+                continue;
+            }
+            // Space held moves the picture; only when it did not, letting go of it plays.
+            if command == UiCommand::PlayPause {
+                let released = ctx.input(|input| input.key_released(Key::Space) && input.modifiers.is_none());
+                if released && !self.canvas.took_space() {
+                    actions.push(Action::Run(command));
+                }
+                continue;
+            }
+            if ctx.input_mut(|input| input.consume_shortcut(&key)) {
+                actions.push(Action::Run(command));
+                if matches!(key.logical_key, Key::Tab) {
+                    // Tab walks the steps here; egui has moved its focus meanwhile.
+                    ctx.memory_mut(|memory| {
+                        if let Some(id) = memory.focused() {
+                            memory.surrender_focus(id);
+                        }
+                    });
+                }
+            }
+        }
+        actions
+    }
+}
+
+fn closes_dialog(command: UiCommand) -> bool {
+    matches!(command, UiCommand::Keys)
+}
+
+fn modifier_count(modifiers: Modifiers) -> u32 {
+    u32::from(modifiers.alt) + u32::from(modifiers.shift) + u32::from(modifiers.command || modifiers.ctrl)
+}
