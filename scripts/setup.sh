@@ -12,6 +12,7 @@ fail() { printf 'setup: error: %s\n' "$*" >&2; exit 1; }
 debian_packages=(
   build-essential pkg-config clang libclang-dev cmake
   libopencv-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgl1
+  mesa-vulkan-drivers libxkbcommon-x11-0
   ffmpeg python3 python3-venv python3-pip unzip
 )
 
