@@ -17,8 +17,8 @@ use agenticfocus::{
     clip::FrameIndex,
     session::{Author, Command as SessionCommand, MaskEdit, MaskLayer, Session},
 };
-use serde_json::json;
 use program::batch;
+use serde_json::json;
 use support::{episode, manifest};
 
 /// Bytes of the record and the masks, by file.

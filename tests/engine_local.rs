@@ -91,7 +91,9 @@ impl Operator {
         let (frame, revision) = (FrameIndex(frame), Revision(revision));
         self.engine.send(Request::Show(PictureRequest { frame, kind: PictureKind::Composite, revision }));
         self.wait(|event| match event {
-            Event::Picture { request, result } if request.kind == PictureKind::Composite => Some(result.unwrap()),
+            Event::Picture { request, result } if request.kind == PictureKind::Composite => {
+                Some(result.unwrap())
+            }
             _ => None,
         })
         .layers()
@@ -134,7 +136,11 @@ fn a_session_worked_on_through_the_engine_exports_what_the_batch_exports() {
     let before = operator.composite(10, 1);
 
     // A change of the operator's: shown at once, and kept.
-    let settings = RetargetSettings { alpha: Some(0.3), beta: Some(agenticfocus::retarget::Beta::Fixed(0.6)), ..RetargetSettings::default() };
+    let settings = RetargetSettings {
+        alpha: Some(0.3),
+        beta: Some(agenticfocus::retarget::Beta::Fixed(0.6)),
+        ..RetargetSettings::default()
+    };
     let entry = Entry::Do(Command::SetRetarget(settings));
     opened.history.apply(entry.clone()).unwrap();
     operator.engine.send(Request::Keep(Change { author: Author::Human, entry, masks: Vec::new() }));
@@ -164,7 +170,8 @@ fn a_session_worked_on_through_the_engine_exports_what_the_batch_exports() {
     names.retain(|name| name != Path::new("report.json"));
     assert!(names.len() > 40);
     for name in names {
-        let same = fs::read(exported.join(&name)).unwrap() == fs::read(batch.join("clip").join(&name)).unwrap();
+        let same =
+            fs::read(exported.join(&name)).unwrap() == fs::read(batch.join("clip").join(&name)).unwrap();
         assert!(same, "{} differs", name.display());
     }
 }

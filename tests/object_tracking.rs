@@ -76,7 +76,8 @@ fn one_box_follows_the_object_behind_an_arm_and_the_template_stays_whole() {
     let prompt = ObjectPrompt { frame: FrameIndex(0), kind: PromptKind::Box(bounds) };
     let landmarks = LandmarkTrack::new();
     let track =
-        track_object(&frames, &[prompt], &arms, &landmarks, &ObjectParams::default(), None, &Unwatched).unwrap();
+        track_object(&frames, &[prompt], &arms, &landmarks, &ObjectParams::default(), None, &Unwatched)
+            .unwrap();
     for index in FrameIndex::all(frames.frame_count()) {
         let truth = full(index.0).minus(&bar());
         let j = track.frame(index).mask.decode().iou(&truth);
@@ -105,7 +106,8 @@ fn a_human_mask_comes_back_untouched() {
         ObjectPrompt { frame: FrameIndex(3), kind: PromptKind::Mask { mask: drawn.clone(), human: true } };
     let landmarks = LandmarkTrack::new();
     let track =
-        track_object(&frames, &[prompt], &arms, &landmarks, &ObjectParams::default(), None, &Unwatched).unwrap();
+        track_object(&frames, &[prompt], &arms, &landmarks, &ObjectParams::default(), None, &Unwatched)
+            .unwrap();
     assert_eq!(track.frames[3].mask, drawn);
     assert_eq!(track.frames[3].author, MaskAuthor::Human);
     assert!(track.frames[0].mask.decode().iou(&full(0).minus(&bar())) > 0.85);

@@ -26,11 +26,9 @@ pub use manifest::{
 };
 pub use memory::Memory;
 pub use reporter::Listener;
+pub use run::{Background, ClipRun, Understood, run_clip, shown_arms, understand_clip, understand_document};
 pub(crate) use run::{
     Evidence, FramePixels, LayerPlan, compose_frame, layer_evidence, open_session, plan_layers, render_robot,
     robot_renderer,
-};
-pub use run::{Background, ClipRun, Understood, run_clip, shown_arms, understand_clip,
-    understand_document,
 };
 pub use stage::Stage;

@@ -75,11 +75,8 @@ impl Document {
                 Command::SetLayerOrders(replace(&mut self.layer_orders, orders))
             }
             Command::SetConfirmed { step, confirmed } => {
-                let before = if confirmed {
-                    !self.confirmed.insert(step)
-                } else {
-                    self.confirmed.remove(&step)
-                };
+                let before =
+                    if confirmed { !self.confirmed.insert(step) } else { self.confirmed.remove(&step) };
                 Command::SetConfirmed { step, confirmed: before }
             }
             Command::SetReview(review) => Command::SetReview(replace(&mut self.review, review)),

@@ -70,7 +70,10 @@ impl MaskStore {
         let bytes = serde_json::to_vec(mask).map_err(SessionError::Encode)?;
         let id = MaskId::of_bytes(&bytes);
         let path = self.path(&id);
-        let io = |action| { let path = path.clone(); move |source| SessionError::Io { action, path, source } };
+        let io = |action| {
+            let path = path.clone();
+            move |source| SessionError::Io { action, path, source }
+        };
         if !path.exists() {
             std::fs::create_dir_all(&self.folder).map_err(|source| SessionError::Io {
                 action: "create",

@@ -13,4 +13,3 @@ pub fn batch(inputs: &[&Path], out: &Path, more: &[&str]) -> Output {
     command.env("XDG_DATA_HOME", out.join("no-data"));
     command.arg("--batch").args(inputs).arg("--out").arg(out).args(more).output().unwrap()
 }
-

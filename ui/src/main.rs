@@ -55,7 +55,9 @@ fn main() -> ExitCode {
     match run {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("agenticfocus-ui: no window: {error}; a display and a Vulkan or OpenGL driver are needed");
+            eprintln!(
+                "agenticfocus-ui: no window: {error}; a display and a Vulkan or OpenGL driver are needed"
+            );
             ExitCode::from(1)
         }
     }

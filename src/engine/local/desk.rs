@@ -126,10 +126,10 @@ impl Desk<'_> {
         let access = if session.is_writable() {
             Access::Writable
         } else {
-            Access::ReadOnly(SessionLock::holder(session.folder()).unwrap_or_else(|| LockHolder {
-                program: "another program".to_owned(),
-                pid: 0,
-            }))
+            Access::ReadOnly(
+                SessionLock::holder(session.folder())
+                    .unwrap_or_else(|| LockHolder { program: "another program".to_owned(), pid: 0 }),
+            )
         };
         let masks = session.masks().all().into_iter().map(|(id, mask)| (id, Arc::new(mask))).collect();
         let opened = Opened {

@@ -50,9 +50,18 @@ impl LocalEngine {
         let shared = Arc::new(Shared::new(out, installation, outbox));
         let (orders, incoming) = mpsc::channel();
         let threads = vec![
-            spawn("desk", { let shared = Arc::clone(&shared); move || desk::run(&shared, &incoming) }),
-            spawn("worker", { let shared = Arc::clone(&shared); move || worker::run(&shared) }),
-            spawn("painter", { let shared = Arc::clone(&shared); move || painter::run(&shared) }),
+            spawn("desk", {
+                let shared = Arc::clone(&shared);
+                move || desk::run(&shared, &incoming)
+            }),
+            spawn("worker", {
+                let shared = Arc::clone(&shared);
+                move || worker::run(&shared)
+            }),
+            spawn("painter", {
+                let shared = Arc::clone(&shared);
+                move || painter::run(&shared)
+            }),
         ];
         Self { shared, orders, events: Mutex::new(events), threads: threads.into_iter().flatten().collect() }
     }

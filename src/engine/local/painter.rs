@@ -77,7 +77,8 @@ fn paint(shared: &Shared, studio: &mut Studio, request: &PictureRequest) -> Resu
             let picture = source(&*clip_of(shared)?, frame)?;
             let size = picture.size();
             let width = (size.width * height / size.height.max(1)).max(1);
-            let small = picture.resized(Size::new(width, height.max(1))).map_err(|error| error.to_string())?;
+            let small =
+                picture.resized(Size::new(width, height.max(1))).map_err(|error| error.to_string())?;
             Ok(Shown::Picture(Arc::new(small)))
         }
         PictureKind::Composite => {
@@ -137,10 +138,8 @@ fn orbit(
     let large_enough = |renderer: &OrbitRenderer| {
         renderer.size().width >= size.width && renderer.size().height >= size.height
     };
-    let known = studio
-        .orbit
-        .as_ref()
-        .is_some_and(|(name, renderer)| *name == robot.mjcf() && large_enough(renderer));
+    let known =
+        studio.orbit.as_ref().is_some_and(|(name, renderer)| *name == robot.mjcf() && large_enough(renderer));
     if !known {
         let renderer = OrbitRenderer::new(robot, size).map_err(|error| error.to_string())?;
         studio.orbit = Some((robot.mjcf().to_owned(), renderer));

@@ -90,9 +90,8 @@ fn thumbnail(path: &Path, rotate: Rotation) -> Option<Rgb8> {
         Rotation::Deg270 => "transpose=2,",
     };
     let Size { width, height } = THUMBNAIL;
-    let filter = format!(
-        "{turn}scale={width}:{height}:force_original_aspect_ratio=increase,crop={width}:{height}"
-    );
+    let filter =
+        format!("{turn}scale={width}:{height}:force_original_aspect_ratio=increase,crop={width}:{height}");
     let output = Command::new("ffmpeg")
         .args(["-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i"])
         .arg(path)

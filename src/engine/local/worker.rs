@@ -45,8 +45,14 @@ fn work(shared: &Shared, open: &OpenClip, wish: &Wish) -> Result<Scene, ClipFail
     let listener = WorkListener::new(shared, revision);
     let mut decisions = PassedOn { shared, revision };
     let surroundings = (&shared.installation, &listener as _, &shared.cancel);
-    let found =
-        understand_document(&open.job, &wish.document, &open.folder, &open.memory, &mut decisions, surroundings)?;
+    let found = understand_document(
+        &open.job,
+        &wish.document,
+        &open.folder,
+        &open.memory,
+        &mut decisions,
+        surroundings,
+    )?;
     let evidence = match shared.scene() {
         Some(old) if same_pictures(&old, &found) => old.evidence,
         _ => Arc::new(layer_evidence(&found)?),

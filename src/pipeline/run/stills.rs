@@ -2,11 +2,7 @@
 
 use std::sync::{Arc, mpsc::Receiver};
 
-use super::{
-    export::Parts,
-    frame::FramePixels,
-    pixels::next_frame,
-};
+use super::{export::Parts, frame::FramePixels, pixels::next_frame};
 use crate::{
     clip::{FrameIndex, FrameSource as _},
     composite::Composite,

@@ -10,8 +10,8 @@ use super::{
     source::standard_prompt,
 };
 use crate::{
-    engine::Finding,
     clip::{FrameIndex, FrameSource, FrameStore, FrameStoreWriter, StandardClip},
+    engine::Finding,
     geometry::PerSide,
     hands::{self, EstimateParams, Estimation, EstimatorCommand, HandTrack},
     inpaint::{self, InpaintParams, InpaintReport},

@@ -43,7 +43,9 @@ impl Dialogs for NativeDialogs {
             let path = match purpose {
                 Purpose::OpenFile => dialog.set_title("Open a clip or a manifest").pick_file(),
                 Purpose::OpenFolder => dialog.set_title("Open a folder of clips, or a session").pick_folder(),
-                Purpose::SaveElsewhere => dialog.set_title("Keep the session in an empty folder").pick_folder(),
+                Purpose::SaveElsewhere => {
+                    dialog.set_title("Keep the session in an empty folder").pick_folder()
+                }
             };
             // Nobody waits any more when another dialog was asked for.
             if let Some(path) = path {

@@ -63,15 +63,13 @@ impl OperatorApp {
                 workspace.playhead = workspace.playhead.min(last);
             }
             Event::Decided { author, command, .. } => self.found(author, command),
-            Event::WorkEnded { revision, result } => {
-                // An older wish that was replaced ends too; only the newest says how things stand.
-                if workspace.worked_for == Some(revision) {
-                    workspace.work = match result {
-                        Ok(()) => Work::Idle,
-                        Err(None) => Work::Cancelled,
-                        Err(Some(failure)) => Work::Failed(failure),
-                    };
-                }
+            // An older wish that was replaced ends too; only the newest says how things stand.
+            Event::WorkEnded { revision, result } if workspace.worked_for == Some(revision) => {
+                workspace.work = match result {
+                    Ok(()) => Work::Idle,
+                    Err(None) => Work::Cancelled,
+                    Err(Some(failure)) => Work::Failed(failure),
+                };
             }
             Event::Draft { frame, points, result, .. } => {
                 // An answer to fewer points than there are now is out of date.

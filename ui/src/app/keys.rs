@@ -21,7 +21,7 @@ impl OperatorApp {
             .flat_map(|command| command.keys().iter().map(move |key| (command, *key)))
             .filter(|(command, key)| {
                 let with_control = key.modifiers.command;
-                !(typing && !with_control) && (!dialog || closes_dialog(*command) || with_control)
+                (with_control || !typing) && (with_control || !dialog || closes_dialog(*command))
             })
             .collect();
         // A shortcut with more modifiers is the more special one; the step's own meaning comes before the global one.

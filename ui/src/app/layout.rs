@@ -17,12 +17,7 @@ impl OperatorApp {
         let mut canvas: Canvas = std::mem::take(&mut self.canvas);
         let mut inspector: Inspector = std::mem::take(&mut self.inspector);
         let mut cx = self.context(actions);
-        shell.show(
-            ui,
-            &mut cx,
-            |ui, cx| canvas.show(ui, cx),
-            |ui, cx| inspector.show(ui, cx),
-        );
+        shell.show(ui, &mut cx, |ui, cx| canvas.show(ui, cx), |ui, cx| inspector.show(ui, cx));
         (self.shell, self.canvas, self.inspector) = (shell, canvas, inspector);
         self.show_messages(ui);
     }

@@ -159,7 +159,13 @@ impl Workspace {
                 MaskEdit::Absent => Arc::new(RleMask::empty(self.size()?)),
             };
             let absent = matches!(edit, MaskEdit::Absent);
-            return Some(MaskOnFrame { mask, author: MaskAuthor::Human, absent, score: 1.0, flags: Vec::new() });
+            return Some(MaskOnFrame {
+                mask,
+                author: MaskAuthor::Human,
+                absent,
+                score: 1.0,
+                flags: Vec::new(),
+            });
         }
         let found = match layer {
             MaskLayer::Object => self.found.object_on(frame)?,
@@ -181,7 +187,11 @@ impl Workspace {
     }
 
     /// Who made the mask on `frame`, how far to trust it and what is doubtful, without copying the mask.
-    pub fn mask_summary(&self, layer: MaskLayer, frame: FrameIndex) -> Option<(MaskAuthor, f64, &[MaskFlag])> {
+    pub fn mask_summary(
+        &self,
+        layer: MaskLayer,
+        frame: FrameIndex,
+    ) -> Option<(MaskAuthor, f64, &[MaskFlag])> {
         if self.document().masks(layer).contains_key(&frame) {
             return Some((MaskAuthor::Human, 1.0, &[]));
         }
@@ -196,7 +206,8 @@ impl Workspace {
     pub fn is_problem(&self, frame: FrameIndex) -> bool {
         let doubtful = |layer| {
             self.mask_summary(layer, frame).is_some_and(|(author, score, flags)| {
-                let counts = flags.iter().any(|flag| !matches!(flag, MaskFlag::TouchesBorder | MaskFlag::Occluded));
+                let counts =
+                    flags.iter().any(|flag| !matches!(flag, MaskFlag::TouchesBorder | MaskFlag::Occluded));
                 author != MaskAuthor::Human && (counts || score < 0.35)
             })
         };
@@ -215,7 +226,9 @@ impl Workspace {
             return StepState::Confirmed;
         }
         let (done, stages): (bool, &[&str]) = match step {
-            Step::Object => (found.choice.is_some() || self.document().object.is_some(), &["clip", "landmarks", "select"]),
+            Step::Object => {
+                (found.choice.is_some() || self.document().object.is_some(), &["clip", "landmarks", "select"])
+            }
             Step::Masks => (found.arms.is_some() && found.object.is_some(), &["arms", "object"]),
             Step::Template => (found.template.is_some(), &["template"]),
             Step::Hands => (found.hands.is_some(), &["hands"]),

@@ -48,8 +48,7 @@ impl OperatorApp {
         let Some(workspace) = &self.workspace else { return };
         let here = workspace.playhead;
         let (first, last) = self.options.selection.unwrap_or((here, here));
-        self.options.selection =
-            Some(if start { (here, last.max(here)) } else { (first.min(here), here) });
+        self.options.selection = Some(if start { (here, last.max(here)) } else { (first.min(here), here) });
     }
 
     pub(super) fn compare(&mut self) {

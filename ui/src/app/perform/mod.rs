@@ -68,7 +68,10 @@ impl OperatorApp {
     }
 
     /// What panels see.
-    pub(super) fn context<'a>(&'a mut self, actions: &'a mut Vec<crate::action::Action>) -> state::Context<'a> {
+    pub(super) fn context<'a>(
+        &'a mut self,
+        actions: &'a mut Vec<crate::action::Action>,
+    ) -> state::Context<'a> {
         state::Context {
             workspace: self.workspace.as_ref(),
             queue: &self.queue,
@@ -108,7 +111,9 @@ impl OperatorApp {
             C::OnTen => self.seek_by(10),
             C::FirstFrame => self.seek(FrameIndex(0)),
             C::LastFrame => self.seek(FrameIndex(u32::MAX)),
-            C::PreviousEdit => self.seek_among(&self.edited_frames(), false, "No edited frame before this one"),
+            C::PreviousEdit => {
+                self.seek_among(&self.edited_frames(), false, "No edited frame before this one")
+            }
             C::NextEdit => self.seek_among(&self.edited_frames(), true, "No edited frame after this one"),
             C::PreviousProblem => {
                 self.seek_among(&self.problems(), false, "No frame before this one wants a look");
@@ -136,7 +141,8 @@ impl OperatorApp {
 
     fn ask_for(&mut self, purpose: Purpose) {
         let start = self.queue.path.clone().or_else(|| self.recent.paths().first().cloned());
-        let folder = start.as_deref().map(|path| if path.is_dir() { path } else { path.parent().unwrap_or(path) });
+        let folder =
+            start.as_deref().map(|path| if path.is_dir() { path } else { path.parent().unwrap_or(path) });
         self.dialogs.ask(purpose, folder);
     }
 
