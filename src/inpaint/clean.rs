@@ -12,8 +12,8 @@ use super::{
     FrameCoverage, InpaintError, InpaintParams, InpaintReport,
     cast::{Ground, Shadow, cast_shadow},
     fill::grown_rect,
-    moved::MovedColours,
-    plate::{self, Plate, SEEN, SYNTHESISED, close_offset, with_offset},
+    moved::{MovedColours, differs, moved_pieces},
+    plate::{self, Plate, SEEN, SYNTHESISED, close_offset, take_out_pieces, with_offset},
     scene::{Loaded, Scene},
     survey::Survey,
 };
@@ -178,7 +178,8 @@ fn clean_frame(
         template.as_ref().is_some_and(|mask| mask.get((region.x + x) as u32, (region.y + y) as u32))
     };
     let hole = Mat::roi(&loaded.hole, region)?.try_clone()?;
-    let (background, coverage) = mixed(&loaded, region, &hole, &parts, &inside_template)?;
+    let (background, coverage) =
+        mixed(&loaded, region, &hole, (&parts, scene.params.change_limit), &inside_template)?;
     let core = Mat::roi(&loaded.core, region)?.try_clone()?;
     let mut alpha = seam(&hole, feather)?;
     if let Some(shadow) = &shadow {
@@ -212,6 +213,8 @@ struct PlateView<'a> {
     shown: Mat,
     /// Colours of what stands elsewhere on this frame.
     moved: MovedColours,
+    /// CV_8UC1 at the frame's work scale: pieces of the plate that are not there on this frame.
+    gone: Mat,
     full: Size,
 }
 
@@ -241,7 +244,8 @@ impl<'a> PlateView<'a> {
         let mut both = Mat::default();
         opencv::core::bitwise_and_def(&shown, &loaded.view.valid, &mut both)?;
         let moved = MovedColours::between(&loaded.view, &colour, &both, scene.params.change_limit)?;
-        Ok(Some(Self { plate, weight, warp, offset, colour, shown, moved, full: scale.full }))
+        let gone = moved_pieces(&loaded.view, &colour, &both, scene.params.change_limit)?;
+        Ok(Some(Self { plate, weight, warp, offset, colour, shown, moved, gone, full: scale.full }))
     }
 
     /// The part `region` of the plate, in the frame's colours.
@@ -251,6 +255,7 @@ impl<'a> PlateView<'a> {
             self.warp.draw_with_mask(source, origin, region, imgproc::INTER_NEAREST, 0.0)?;
         let picture = with_offset(&picture, &self.offset, self.full, region)?;
         self.moved.take_out(&picture, &mut origin)?;
+        take_out_pieces(&self.gone, self.full, region, &mut origin)?;
         Ok(Part { picture, origin, weight: self.weight })
     }
 
@@ -269,12 +274,13 @@ impl<'a> PlateView<'a> {
     }
 }
 
-/// The background inside `region` as 32-bit colours, from all parts; gaps are closed smoothly.
+/// The background inside `region` as 32-bit colours, from all parts, which differ beyond light by more than `limit`
+/// levels where they show different states of the scene; gaps are closed smoothly.
 fn mixed(
     loaded: &Loaded,
     region: Rect,
     hole: &Mat,
-    parts: &[Part],
+    (parts, limit): (&[Part], f32),
     inside_template: &dyn Fn(i32, i32) -> bool,
 ) -> opencv::Result<(Vec<[f32; 3]>, FrameCoverage)> {
     let own = Mat::roi(&loaded.picture, region)?.try_clone()?;
@@ -289,9 +295,19 @@ fn mixed(
     for (i, colour) in colours.iter_mut().enumerate() {
         let best = sources.iter().map(|(_, origin, _)| origin[i]).max().unwrap_or(0);
         let (mut sum, mut all) = ([0.0_f32; 3], 0.0_f32);
+        // What was seen wins over what was made up.
+        let usable = |origin: &[u8]| origin[i] == best && best >= SYNTHESISED;
+        let heaviest = sources.iter().filter(|(_, origin, _)| usable(origin)).fold(
+            None,
+            |heaviest: Option<(Vec3b, f32)>, (picture, _, weight)| match heaviest {
+                Some((_, most)) if most >= *weight => heaviest,
+                _ => Some((picture[i], *weight)),
+            },
+        );
         for (picture, origin, weight) in &sources {
-            // What was seen wins over what was made up.
-            if origin[i] == best && best >= SYNTHESISED {
+            // Two states of the scene are never blended: a thing stands at one place or the other.
+            let alike = |heaviest: &(Vec3b, f32)| !differs(picture[i].0, heaviest.0.0, limit);
+            if usable(origin) && heaviest.as_ref().is_some_and(alike) {
                 for (sum, value) in sum.iter_mut().zip(picture[i].0) {
                     *sum += weight * f32::from(value);
                 }

@@ -86,12 +86,76 @@ impl MovedColours {
     }
 }
 
+/// How much neighbours within one segment may differ, levels of a channel.
+const SMOOTH: u8 = 5;
+/// How much any pixel of a segment may differ from where it began.
+const ALIKE: u8 = 24;
+/// Pixels that must contradict before a segment is taken for moved.
+const CONTRADICTING: u32 = 12;
+
+/// CV_8UC1: 255 on pieces of `source` (CV_8UC3, registered with `target`, its colours already alike) that are not
+/// there in `target`: connected pieces of one colour whose pixels, where `valid` (CV_8UC1, 255) shows background in
+/// both, mostly differ by more than `limit` levels. What one sees of a thing tells of the rest of it, which is
+/// hidden.
+pub(super) fn moved_pieces(target: &View, source: &Mat, valid: &Mat, limit: f32) -> opencv::Result<Mat> {
+    let (a, b) = (box_blurred(&target.colour, 3)?, box_blurred(source, 3)?);
+    let (a, b) = (a.data_typed::<Vec3b>()?, b.data_typed::<Vec3b>()?);
+    let valid = valid.data_typed::<u8>()?;
+    let mut moved = vec![0_u8; a.len()];
+    let mut visited = vec![false; a.len()];
+    let mut piece = Vec::new();
+    for seed in 0..a.len() {
+        if visited[seed] {
+            continue;
+        }
+        grow_piece(seed, b, source.cols() as usize, &mut visited, &mut piece);
+        let seen = piece.iter().filter(|at| valid[**at] != 0);
+        let (all, contradicting) = seen.fold((0_u32, 0_u32), |(all, contradicting), at| {
+            (all + 1, contradicting + u32::from(differs(a[*at].0, b[*at].0, limit)))
+        });
+        if contradicting >= CONTRADICTING && 2 * contradicting > all {
+            for at in &piece {
+                moved[*at] = 255;
+            }
+        }
+    }
+    let moved = Mat::new_rows_cols_with_data(source.rows(), source.cols(), &moved)?.try_clone()?;
+    super::hole::grown(&moved, 1)
+}
+
+/// The connected pixels of `colours` (rows of `columns`) that are of one colour with `seed` and not `visited`.
+fn grow_piece(seed: usize, colours: &[Vec3b], columns: usize, visited: &mut [bool], piece: &mut Vec<usize>) {
+    let alike = |a: usize, b: usize, tolerance: u8| {
+        colours[a].0.iter().zip(colours[b].0).all(|(p, q)| p.abs_diff(q) <= tolerance)
+    };
+    piece.clear();
+    piece.push(seed);
+    visited[seed] = true;
+    let mut next = 0;
+    while let Some(at) = piece.get(next).copied() {
+        next += 1;
+        let x = at % columns;
+        let around = [
+            (x > 0).then(|| at - 1),
+            (x + 1 < columns).then_some(at + 1),
+            at.checked_sub(columns),
+            Some(at + columns).filter(|below| *below < colours.len()),
+        ];
+        for other in around.into_iter().flatten() {
+            if !visited[other] && alike(other, at, SMOOTH) && alike(other, seed, ALIKE) {
+                visited[other] = true;
+                piece.push(other);
+            }
+        }
+    }
+}
+
 fn bin(colour: [u8; 3]) -> usize {
     colour.iter().fold(0, |at, value| at * SIDE + usize::from(*value >> SHIFT))
 }
 
 /// Whether two colours differ by more than light.
-fn differs(a: [u8; 3], b: [u8; 3], limit: f32) -> bool {
+pub(super) fn differs(a: [u8; 3], b: [u8; 3], limit: f32) -> bool {
     let (a, b) = (a.map(f32::from), b.map(f32::from));
     let scale = (a.iter().sum::<f32>() / b.iter().sum::<f32>().max(1.0)).clamp(0.4, 2.5);
     a.iter().zip(b).any(|(a, b)| (a - scale * b).abs() > limit * scale.max(1.0))
@@ -136,5 +200,14 @@ mod tests {
         moved(55, 95).take_out(&board(55), &mut known).unwrap();
         assert_eq!(*known.at_2d::<u8>(50, 80).unwrap(), 0);
         assert_eq!(*known.at_2d::<u8>(50, 20).unwrap(), 255);
+    }
+
+    #[test]
+    fn the_hidden_part_of_a_thing_is_gone_with_what_one_sees_of_it() {
+        let hand = Mask::from_fn(SIZE, |x, y| (70..110).contains(&x) && y > 60).to_mat().unwrap();
+        let target = View::new(WorkScale { full: SIZE, work: SIZE }, &board(110), &hand).unwrap();
+        let pieces = moved_pieces(&target, &board(40), &target.valid, 24.0).unwrap();
+        assert_eq!(*pieces.at_2d::<u8>(80, 80).unwrap(), 255, "the board's hidden part");
+        assert_eq!(*pieces.at_2d::<u8>(80, 100).unwrap(), 0, "the ground's");
     }
 }

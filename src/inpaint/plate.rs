@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::{
     InpaintError, InpaintParams, fill,
     gather::{Canvas, choose_sources, needed_cells},
-    moved::MovedColours,
+    moved::{MovedColours, moved_pieces},
     scene::{Loaded, Scene},
     shadow::{LitGround, far_ground, lift},
     survey::{CELL, Survey},
@@ -203,8 +203,21 @@ fn draw_source(
     valid.set_to(&Scalar::all(0.0), &changed)?;
     let moved = MovedColours::between(&plate.view, &colour, &both, params.change_limit)?;
     moved.take_out(&picture, &mut valid)?;
+    let pieces = moved_pieces(&plate.view, &colour, &both, params.change_limit)?;
+    take_out_pieces(&pieces, plate.view.scale.full, region, &mut valid)?;
     let far = warp.draw_work_mask(&far_ground(&source.view)?, source.view.scale)?;
     Ok(Some(Drawn { picture, valid, far }))
+}
+
+/// Clears `known`, the part `region` of a picture of size `full`, where `pieces` (work size) are.
+pub(super) fn take_out_pieces(pieces: &Mat, full: Size, region: Rect, known: &mut Mat) -> opencv::Result<()> {
+    if opencv::core::count_non_zero(pieces)? == 0 {
+        return Ok(());
+    }
+    let (wide, mut gone) = (enlarged_part(pieces, full, region)?, Mat::default());
+    opencv::core::compare(&wide, &Scalar::all(127.0), &mut gone, opencv::core::CMP_GT)?;
+    known.set_to(&Scalar::all(0.0), &gone)?;
+    Ok(())
 }
 
 /// `picture`, the part `region` of a picture of size `full`, plus a coarse map of offsets.
