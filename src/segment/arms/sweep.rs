@@ -113,7 +113,8 @@ fn next_support(arrived: &Mat, [likely, grounds]: [&Mat; 2], own: Option<&Mat>) 
             }
             p if p > STILL_LIKELY && grounds[position] == STILL => arrived[position].saturating_sub(8),
             p if p > SURELY => arrived[position].saturating_sub(1),
-            p if p > STILL_LIKELY => arrived[position].saturating_sub(2),
+            p if p > 160 => arrived[position].saturating_sub(2),
+            p if p > STILL_LIKELY => arrived[position].saturating_sub(8),
             _ => arrived[position].saturating_sub(15 + arrived[position] / 4),
         };
     }
