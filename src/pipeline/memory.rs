@@ -7,7 +7,10 @@ use std::{
 };
 
 use super::{Key, Stage};
-use crate::clip::{ClipRequest, StandardClip};
+use crate::{
+    clip::{ClipRequest, StandardClip},
+    robot::RobotModel,
+};
 
 /// An artifact of any type, by the key of what went into it.
 type Kept = (Key, Arc<dyn Any + Send + Sync>);
@@ -17,6 +20,7 @@ type Kept = (Key, Arc<dyn Any + Send + Sync>);
 pub struct Memory {
     clip: Mutex<Option<(ClipRequest, Arc<StandardClip>)>>,
     artifacts: Mutex<BTreeMap<Stage, Kept>>,
+    robot: Mutex<Option<RobotModel>>,
 }
 
 impl Memory {
@@ -30,6 +34,15 @@ impl Memory {
     pub fn latest_clip(&self) -> Option<Arc<StandardClip>> {
         let clip = self.clip.lock().unwrap_or_else(PoisonError::into_inner);
         clip.as_ref().map(|(_, clip)| Arc::clone(clip))
+    }
+
+    /// The robot in use, loaded once: reading a model takes longer than moving it.
+    pub(super) fn robot<E>(&self, load: impl FnOnce() -> Result<RobotModel, E>) -> Result<RobotModel, E> {
+        let mut robot = self.robot.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(robot) = &*robot {
+            return Ok(robot.clone());
+        }
+        Ok(robot.insert(load()?).clone())
     }
 
     /// Keeps a decoded clip, and forgets the one before it.

@@ -5,6 +5,8 @@ pub mod app;
 pub mod canvas;
 pub mod inspector;
 pub mod key_sheet;
+#[cfg(feature = "engine")]
+pub mod measure;
 pub mod paint;
 pub mod palette;
 pub mod panels;

@@ -1,10 +1,11 @@
 //! `agenticfocus-ui`: the window on this machine, with the engine in this process.
 
-use std::{path::PathBuf, process::ExitCode, sync::Arc};
+use std::{path::PathBuf, process::ExitCode, sync::Arc, time::Instant};
 
 use agenticfocus::{engine::LocalEngine, pipeline::Installation};
 use agenticfocus_ui::{
     app::{NativeDialogs, OperatorApp},
+    measure::Measure,
     tour::Tour,
 };
 use clap::Parser;
@@ -23,9 +24,14 @@ struct Arguments {
     /// Go through all steps of the clip, save a picture of each in this folder, and end
     #[arg(long, value_name = "DIR", requires = "input")]
     screenshots: Option<PathBuf>,
+
+    /// Measure how fast the window answers on the clip, print it, and end
+    #[arg(long, requires = "input", conflicts_with = "screenshots")]
+    measure: bool,
 }
 
 fn main() -> ExitCode {
+    let began = Instant::now();
     let arguments = Arguments::parse();
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -49,7 +55,8 @@ fn main() -> ExitCode {
                 app.open(input);
             }
             let tour = arguments.screenshots.map(Tour::new);
-            Ok(Box::new(Window { app, tour }))
+            let measure = arguments.measure.then(|| Measure::new(began));
+            Ok(Box::new(Window { app, tour, measure }))
         }),
     );
     match run {
@@ -67,9 +74,16 @@ fn main() -> ExitCode {
 struct Window {
     app: OperatorApp,
     tour: Option<Tour>,
+    measure: Option<Measure>,
 }
 
 impl eframe::App for Window {
+    fn raw_input_hook(&mut self, _ctx: &egui::Context, input: &mut egui::RawInput) {
+        if let Some(measure) = &mut self.measure {
+            measure.inject(input);
+        }
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         if let Some(tour) = &mut self.tour {
             tour.walk(ui.ctx(), &mut self.app);
@@ -77,6 +91,12 @@ impl eframe::App for Window {
                 eprintln!("agenticfocus-ui: {fault}");
             }
         }
+        if let Some(measure) = &mut self.measure {
+            measure.before(ui.ctx(), &mut self.app);
+        }
         self.app.show(ui);
+        if let Some(measure) = &mut self.measure {
+            measure.after(&mut self.app);
+        }
     }
 }

@@ -84,7 +84,11 @@ pub(super) fn retarget(
     hands: &HandTrack,
     hands_key: &Key,
 ) -> Result<(RobotModel, Arc<RobotMotion>), ClipFailure> {
-    let robot = load_robot(context.installation).map_err(|failure| failure.in_stage(Stage::Retarget))?;
+    let load = || load_robot(context.installation).map_err(|failure| failure.in_stage(Stage::Retarget));
+    let robot = match context.memory {
+        Some(memory) => memory.robot(load)?,
+        None => load()?,
+    };
     let params = params_of(&context.document);
     let inputs = (&params, identity_of(&robot));
     let (motion, _) =

@@ -115,6 +115,16 @@ impl OperatorApp {
         &mut self.options
     }
 
+    /// Whether the source picture of `frame` is here.
+    pub fn has_source(&self, frame: agenticfocus::clip::FrameIndex) -> bool {
+        self.pictures.has_source(frame)
+    }
+
+    /// Whether the composite of `frame` for that document is here.
+    pub fn has_composite(&self, frame: agenticfocus::clip::FrameIndex, revision: Revision) -> bool {
+        self.pictures.has_composite(frame, revision)
+    }
+
     /// The clips of the folder that was opened.
     pub fn queue(&self) -> &Queue {
         &self.queue
@@ -133,6 +143,14 @@ impl OperatorApp {
     /// Carries out one action, as if a panel had asked for it.
     pub fn act(&mut self, ctx: &egui::Context, action: Action) {
         self.carry_out(ctx, action);
+    }
+
+    /// Hears the engine and passes wishes on, without drawing.
+    pub fn pump(&mut self) {
+        self.hear_engine();
+        for request in self.pictures.wishes() {
+            self.engine.send(Request::Show(request));
+        }
     }
 
     /// Draws one frame.

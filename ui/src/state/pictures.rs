@@ -35,6 +35,16 @@ impl Pictures {
         None
     }
 
+    /// Whether the frame as filmed is here; asks for nothing.
+    pub fn has_source(&self, frame: FrameIndex) -> bool {
+        self.sources.iter().any(|(index, _)| *index == frame)
+    }
+
+    /// Whether the finished frame for that very document is here; asks for nothing.
+    pub fn has_composite(&self, frame: FrameIndex, revision: Revision) -> bool {
+        self.composite.as_ref().is_some_and(|(at, made, _)| (*at, *made) == (frame, revision))
+    }
+
     /// The newest source picture at or near `frame`, to show while the right one comes.
     pub fn nearest_source(&self, frame: FrameIndex) -> Option<Arc<Rgb8>> {
         let near = |index: &FrameIndex| index.0.abs_diff(frame.0);
