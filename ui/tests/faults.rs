@@ -1,0 +1,229 @@
+//! What the window does when something goes wrong on the engine's side: it says so, and lives on.
+#![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::mpsc::{Receiver, Sender, channel},
+    time::SystemTime,
+};
+
+use agenticfocus::{
+    engine::{Access, Engine, Event, Opened, Request, Revision, SaveState, WorkFailure},
+    session::{Author, Command, Document, Entry, History, LockHolder, ReviewState},
+};
+use agenticfocus_ui::{
+    action::Action,
+    app::{Dialogs, OperatorApp, Purpose},
+    state::Work,
+    ui_command::UiCommand,
+};
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::{Harness, kittest::Queryable as _};
+
+/// Passes requests on and answers with what the test tells.
+struct Puppet {
+    requests: Sender<Request>,
+    events: Receiver<Event>,
+}
+
+impl Engine for Puppet {
+    fn send(&self, request: Request) {
+        self.requests.send(request).unwrap();
+    }
+
+    fn poll(&self) -> Option<Event> {
+        self.events.try_recv().ok()
+    }
+}
+
+/// Nobody is asked for files here.
+struct NoDialogs;
+
+impl Dialogs for NoDialogs {
+    fn ask(&mut self, _purpose: Purpose, _start: Option<&Path>) {}
+
+    fn answer(&mut self) -> Option<(Purpose, PathBuf)> {
+        None
+    }
+}
+
+/// The whole window over a puppet.
+struct Window {
+    harness: Harness<'static, OperatorApp>,
+    requests: Receiver<Request>,
+    events: Sender<Event>,
+}
+
+impl Window {
+    fn new() -> Self {
+        let ((send, requests), (events, hear)) = (channel(), channel());
+        let puppet = Puppet { requests: send, events: hear };
+        let app = OperatorApp::new(Box::new(puppet), Box::new(NoDialogs));
+        let harness = Harness::builder()
+            .with_size(vec2(1440.0, 900.0))
+            .with_os(egui::os::OperatingSystem::Nix)
+            .build_ui_state(|ui, app: &mut OperatorApp| app.show(ui), app);
+        Self { harness, requests, events }
+    }
+
+    /// With a session in which one change can be taken back.
+    fn with_session(access: Access) -> Self {
+        let mut window = Self::new();
+        window.tell(Event::Opened(Box::new(opened(access))));
+        window.asked();
+        window
+    }
+
+    fn tell(&mut self, event: Event) {
+        self.events.send(event).unwrap();
+        self.harness.run_steps(3);
+    }
+
+    fn act(&mut self, action: Action) {
+        let ctx = self.harness.ctx.clone();
+        self.harness.state_mut().act(&ctx, action);
+        self.harness.run_steps(3);
+    }
+
+    fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.harness.run_steps(3);
+    }
+
+    fn click(&mut self, label: &str) {
+        self.harness.get_by_label(label).click();
+        self.harness.run_steps(3);
+    }
+
+    /// What was asked of the engine since the last time.
+    fn asked(&self) -> Vec<Request> {
+        self.requests.try_iter().collect()
+    }
+
+    fn says(&self, words: &str) -> bool {
+        self.harness.query_all_by_label_contains(words).next().is_some()
+    }
+
+    fn document(&self) -> Document {
+        self.harness.state().workspace().unwrap().document().clone()
+    }
+}
+
+fn opened(access: Access) -> Opened {
+    let mut history = History::new(Document::default());
+    history.apply(Entry::Do(Command::SetTask(Some("pour".to_owned())))).unwrap();
+    let folder = PathBuf::from("/clips/cup.afs");
+    Opened { folder, history, masks: BTreeMap::new(), access, notes: Vec::new() }
+}
+
+fn keeps(requests: &[Request]) -> usize {
+    requests.iter().filter(|request| matches!(request, Request::Keep(_))).count()
+}
+
+fn failure() -> WorkFailure {
+    WorkFailure { stage: Some("clip".to_owned()), message: "cup.mp4 has gone: put it back".to_owned() }
+}
+
+#[test]
+fn a_session_that_another_program_writes_to_is_shown_and_refuses_every_change_in_words() {
+    let holder = LockHolder { program: "agenticfocus".to_owned(), pid: 4711 };
+    let mut window = Window::with_session(Access::ReadOnly(holder));
+    assert!(window.says("Read-only: agenticfocus (process 4711)"));
+    let before = window.document();
+    let set_task = || Command::SetTask(Some("stir".to_owned()));
+
+    window.act(Action::Change(set_task()));
+    assert!(window.says("Read-only: another program writes to this session"));
+    for command in [UiCommand::Undo, UiCommand::Accept, UiCommand::Confirm] {
+        window.act(Action::Run(command));
+        let last = window.harness.state().messages().last().unwrap().text.clone();
+        let refused = last.starts_with(command.text()) && last.contains("process 4711");
+        assert!(refused, "{command:?}: {last}");
+    }
+    window.press(Modifiers::COMMAND, Key::Z);
+    let (revision, author) = (Revision(0), Author::Machine("clip".to_owned()));
+    window.tell(Event::Decided { revision, author, command: set_task() });
+
+    assert_eq!(window.document(), before);
+    assert_eq!(keeps(&window.asked()), 0);
+}
+
+#[test]
+fn what_is_not_saved_is_said_loudly_until_it_is_saved() {
+    let mut window = Window::with_session(Access::Writable);
+    assert!(window.harness.query_by_label("Saved").is_some());
+    window.act(Action::Change(Command::SetReview(ReviewState::Accepted)));
+    assert_eq!(keeps(&window.asked()), 1);
+    assert!(window.harness.query_by_label("Saved").is_none(), "nothing is saved before the engine says so");
+
+    let (since, reason) = (SystemTime::now(), "no space left on /clips".to_owned());
+    window.tell(Event::Save(SaveState::NotSaved { saved: 0, since, reason }));
+    assert!(window.says("Not saved since") && window.says("no space left on /clips"));
+    // Work goes on: the change stays on screen, and more may follow.
+    window.act(Action::Change(Command::SetTask(None)));
+    assert_eq!((window.document().review, window.document().task), (ReviewState::Accepted, None));
+    assert_eq!(keeps(&window.asked()), 1);
+    assert!(window.says("Not saved since"));
+
+    window.click("Retry");
+    assert!(window.asked().iter().any(|request| matches!(request, Request::RetrySave)));
+    window.tell(Event::Save(SaveState::Saved(1)));
+    assert!(!window.says("Not saved"));
+    assert!(window.harness.query_by_label("Saved").is_none(), "one change is still on its way");
+    window.tell(Event::Save(SaveState::Saved(2)));
+    assert!(window.harness.query_by_label("Saved").is_some());
+}
+
+#[test]
+fn a_damaged_session_is_named_and_the_window_lives_on() {
+    let damaged = |path: &Path| Event::NotOpened {
+        path: path.to_owned(),
+        message: "journal line 7 is damaged; the lines before it are whole".to_owned(),
+    };
+    let mut window = Window::new();
+    let path = PathBuf::from("/clips/broken.afs");
+    window.act(Action::Open(path.clone()));
+    assert!(window.harness.state().is_opening());
+    window.tell(damaged(&path));
+    assert!(!window.harness.state().is_opening() && window.harness.state().workspace().is_none());
+    assert!(window.says("/clips/broken.afs not opened: journal line 7 is damaged"));
+    window.click("Close this message");
+    assert!(!window.says("journal line 7"));
+
+    // Another one opens, and a damaged one beside it takes nothing away.
+    window.act(Action::Open(PathBuf::from("/clips/cup.afs")));
+    window.tell(Event::Opened(Box::new(opened(Access::Writable))));
+    window.act(Action::Open(path.clone()));
+    window.tell(damaged(&path));
+    assert!(window.says("/clips/broken.afs not opened"));
+    window.asked();
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.document().task, None);
+    assert_eq!(keeps(&window.asked()), 1);
+}
+
+#[test]
+fn work_that_fails_is_explained_on_a_card_and_can_be_done_again() {
+    let mut window = Window::with_session(Access::Writable);
+    let revision = window.harness.state().workspace().unwrap().worked_for.unwrap();
+    window.act(Action::Change(Command::SetTask(Some("stir".to_owned()))));
+    window.asked();
+    // Work that was replaced says nothing about how things stand.
+    window.tell(Event::WorkEnded { revision, result: Err(Some(failure())) });
+    assert!(!window.says("This clip cannot be shown"));
+
+    let revision = window.harness.state().workspace().unwrap().worked_for.unwrap();
+    window.tell(Event::WorkEnded { revision, result: Err(Some(failure())) });
+    assert_eq!(window.harness.state().workspace().unwrap().work, Work::Failed(failure()));
+    assert!(window.harness.query_by_label("This clip cannot be shown").is_some());
+    assert!(window.harness.query_by_label("cup.mp4 has gone: put it back").is_some());
+
+    window.act(Action::Run(UiCommand::Rerun));
+    let again = |request: &Request| matches!(request, Request::Work { revision: at, .. } if *at == revision);
+    assert!(window.asked().iter().any(again));
+    window.tell(Event::Progress { stage: "clip", share: 0.3, left: None });
+    assert!(!window.says("This clip cannot be shown"));
+    window.tell(Event::WorkEnded { revision, result: Ok(()) });
+    assert_eq!(window.harness.state().workspace().unwrap().work, Work::Idle);
+}
