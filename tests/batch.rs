@@ -5,20 +5,13 @@
 mod program;
 mod support;
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output},
-    time::Duration,
-};
+use std::{collections::BTreeMap, fs, path::Path, process::Command, time::Duration};
 
 use agenticfocus::{
     clip::FrameIndex,
     session::{Author, Command as SessionCommand, MaskEdit, MaskLayer, Session},
 };
 use program::batch;
-use serde_json::json;
 use support::{episode, manifest};
 
 /// Bytes of the record and the masks, by file.

@@ -75,9 +75,9 @@ fn said() -> impl Strategy<Value = BTreeMap<u32, u32>> {
 }
 
 fn prompts(said: &BTreeMap<u32, u32>) -> Vec<ObjectPrompt> {
-    let prompt = |(frame, said): (&u32, &u32)| ObjectPrompt {
-        frame: FrameIndex(*frame),
-        kind: PromptKind::Mask { mask: drawn(*frame, *said), human: true },
+    let prompt = |(frame, said): (&u32, &u32)| {
+        let kind = PromptKind::Mask { mask: drawn(*frame, *said), human: true };
+        ObjectPrompt::new(FrameIndex(*frame), kind)
     };
     said.iter().map(prompt).collect()
 }

@@ -73,7 +73,7 @@ fn clip(count: u32) -> (FramesInMemory, MaskTrack) {
 fn one_box_follows_the_object_behind_an_arm_and_the_template_stays_whole() {
     let (frames, arms) = clip(26);
     let bounds = PixelBox { x0: 40.0, y0: 60.0, x1: 84.0, y1: 104.0 };
-    let prompt = ObjectPrompt { frame: FrameIndex(0), kind: PromptKind::Box(bounds) };
+    let prompt = ObjectPrompt::new(FrameIndex(0), PromptKind::Box(bounds));
     let landmarks = LandmarkTrack::new();
     let track =
         track_object(&frames, &[prompt], &arms, &landmarks, &ObjectParams::default(), None, &Unwatched)
@@ -102,8 +102,7 @@ fn one_box_follows_the_object_behind_an_arm_and_the_template_stays_whole() {
 fn a_human_mask_comes_back_untouched() {
     let (frames, arms) = clip(6);
     let drawn = RleMask::encode(&full(3));
-    let prompt =
-        ObjectPrompt { frame: FrameIndex(3), kind: PromptKind::Mask { mask: drawn.clone(), human: true } };
+    let prompt = ObjectPrompt::new(FrameIndex(3), PromptKind::Mask { mask: drawn.clone(), human: true });
     let landmarks = LandmarkTrack::new();
     let track =
         track_object(&frames, &[prompt], &arms, &landmarks, &ObjectParams::default(), None, &Unwatched)
@@ -111,4 +110,18 @@ fn a_human_mask_comes_back_untouched() {
     assert_eq!(track.frames[3].mask, drawn);
     assert_eq!(track.frames[3].author, MaskAuthor::Human);
     assert!(track.frames[0].mask.decode().iou(&full(0).minus(&bar())) > 0.85);
+}
+
+#[test]
+fn a_mask_that_is_spread_forward_alone_leaves_earlier_frames_alone() {
+    let (frames, arms) = clip(6);
+    let drawn = RleMask::encode(&full(3));
+    let kind = PromptKind::Mask { mask: drawn, human: true };
+    let prompt = ObjectPrompt { reach: (false, true), ..ObjectPrompt::new(FrameIndex(3), kind) };
+    let landmarks = LandmarkTrack::new();
+    let track =
+        track_object(&frames, &[prompt], &arms, &landmarks, &ObjectParams::default(), None, &Unwatched)
+            .unwrap();
+    assert!(track.frames[..3].iter().all(|frame| frame.mask.is_empty()));
+    assert!(track.frames[5].mask.decode().iou(&full(5).minus(&bar())) > 0.8);
 }

@@ -48,6 +48,10 @@ impl Document {
             Command::SetProposals(list) => Command::SetProposals(replace(&mut self.proposals, list)),
             Command::SetObject(choice) => Command::SetObject(replace(&mut self.object, choice)),
             Command::SetMask { layer, frame, edit } => self.set_mask(layer, frame, edit),
+            Command::SetReach { frame, reach } => {
+                let reach = put(&mut self.object_reach, frame, reach);
+                Command::SetReach { frame, reach }
+            }
             Command::SetTemplateFrame(frame) => {
                 Command::SetTemplateFrame(replace(&mut self.template.frame, frame))
             }

@@ -4,8 +4,8 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    HandEdit, LayerOrderRange, MaskEdit, MaskId, MaskLayer, ObjectChoice, ObjectProposal, RetargetSettings,
-    ReviewState, SidesSwapped, Step,
+    HandEdit, LayerOrderRange, MaskEdit, MaskId, MaskLayer, MaskReach, ObjectChoice, ObjectProposal,
+    RetargetSettings, ReviewState, SidesSwapped, Step,
 };
 use crate::{
     clip::{CameraSpec, FrameIndex},
@@ -47,6 +47,13 @@ pub enum Command {
         frame: FrameIndex,
         /// What.
         edit: Option<MaskEdit>,
+    },
+    /// Which way the object's mask of a frame is spread; `None` is both.
+    SetReach {
+        /// The frame.
+        frame: FrameIndex,
+        /// Which way.
+        reach: Option<MaskReach>,
     },
     /// The clean frame; `None` lets the machine choose.
     SetTemplateFrame(Option<FrameIndex>),

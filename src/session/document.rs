@@ -83,6 +83,21 @@ pub enum MaskEdit {
     Absent,
 }
 
+/// Which way a mask that a person made of the object is spread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MaskReach {
+    /// To earlier frames (default: yes).
+    pub backward: bool,
+    /// To later frames (default: yes).
+    pub forward: bool,
+}
+
+impl Default for MaskReach {
+    fn default() -> Self {
+        Self { backward: true, forward: true }
+    }
+}
+
 /// What a person said about the template.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TemplateEdits {
@@ -183,6 +198,9 @@ pub struct Document {
     pub object: Option<ObjectChoice>,
     /// Masks a person made of the object.
     pub object_masks: BTreeMap<FrameIndex, MaskEdit>,
+    /// Which way those are spread, where it is not both.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub object_reach: BTreeMap<FrameIndex, MaskReach>,
     /// Masks a person made of the arms.
     pub arm_masks: BTreeMap<FrameIndex, MaskEdit>,
     /// The template.

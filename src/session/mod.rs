@@ -20,8 +20,8 @@ mod step;
 pub use apply::ApplyError;
 pub use command::{Author, Command};
 pub use document::{
-    ClipReference, Document, HandEdit, LayerOrder, LayerOrderRange, MaskEdit, MaskLayer, ObjectChoice,
-    ObjectPromptKind, ObjectProposal, ReviewState, SidesSwapped, TemplateEdits,
+    ClipReference, Document, HandEdit, LayerOrder, LayerOrderRange, MaskEdit, MaskLayer, MaskReach,
+    ObjectChoice, ObjectPromptKind, ObjectProposal, ReviewState, SidesSwapped, TemplateEdits,
 };
 pub use durable::write_durably;
 pub use error::SessionError;

@@ -8,14 +8,14 @@ use agenticfocus::{
     retarget::{Beta, CameraAngles, CameraRotation},
     session::{
         Author, Command, Entry, HandEdit, LayerOrder, LayerOrderRange, MaskEdit, MaskId, MaskLayer,
-        ObjectPromptKind, ObjectProposal, RetargetSettings, ReviewState, SidesSwapped, Step,
+        MaskReach, ObjectPromptKind, ObjectProposal, RetargetSettings, ReviewState, SidesSwapped, Step,
     },
 };
 use nalgebra::Matrix3;
 use proptest::{option, prelude::*};
 
 /// Kinds of commands.
-pub const KINDS: usize = 17;
+pub const KINDS: usize = 18;
 
 /// Which kind: a new one does not compile until it is drawn here.
 pub fn kind(command: &Command) -> usize {
@@ -37,6 +37,7 @@ pub fn kind(command: &Command) -> usize {
         Command::SetConfirmed { .. } => 14,
         Command::SetReview(_) => 15,
         Command::Together(_) => 16,
+        Command::SetReach { .. } => 17,
     }
 }
 
@@ -151,6 +152,10 @@ fn per_frame() -> impl Strategy<Value = Command> {
             layer,
             frame,
             edit
+        }),
+        (frame(), option::of((any::<bool>(), any::<bool>()))).prop_map(|(frame, reach)| {
+            let reach = reach.map(|(backward, forward)| MaskReach { backward, forward });
+            Command::SetReach { frame, reach }
         }),
         (frame(), option::of(placed))
             .prop_map(|(frame, transform)| Command::SetPlacement { frame, transform }),

@@ -153,7 +153,7 @@ fn orbit(
 fn draft(shared: &Shared, wish: &DraftWish) -> Result<RleMask, String> {
     let clip = clip_of(shared)?;
     let kind = PromptKind::Points { positive: wish.positive.clone(), negative: wish.negative.clone() };
-    let prompt = ObjectPrompt { frame: wish.frame, kind };
+    let prompt = ObjectPrompt::new(wish.frame, kind);
     let arms = shared.scene().filter(|_| wish.arms_matter).map(|scene| Arc::clone(&scene.found.arms));
     let arms = arms.map(|arms| arms.union.frame(wish.frame).mask.clone());
     object::segment_frame(&*clip, &prompt, arms, &ObjectParams::default(), &Unwatched)

@@ -298,7 +298,7 @@ fn first_affected(old: &Document, new: &Document) -> Option<Stage> {
             Stage::Landmarks,
         ),
         (old.arm_masks != new.arm_masks || old.object != new.object, Stage::Arms),
-        (old.object_masks != new.object_masks, Stage::Object),
+        ((&old.object_masks, &old.object_reach) != (&new.object_masks, &new.object_reach), Stage::Object),
         (old.template != new.template, Stage::Template),
         (
             old.hand_edits != new.hand_edits || old.retarget.hand_length != new.retarget.hand_length,

@@ -23,7 +23,7 @@ use crate::{
         object::{self, ObjectParams, ObjectPrompt, PromptKind},
     },
     select::{self, SelectParams},
-    session::{Author, Command, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState},
+    session::{Author, Command, Document, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState},
     template::{self, TemplateParams, TemplateTrack},
 };
 
@@ -213,7 +213,7 @@ pub(super) fn object(
     let human =
         human_masks(&context.document, &context.masks, MaskLayer::Object, clip.size(), clip.frame_count())?;
     let guessed = choice.is_some_and(|choice| matches!(choice.author, Author::Machine(_)));
-    let prompts = prompts(choice, human);
+    let prompts = prompts(&context.document, choice, human);
     let params = ObjectParams::default();
     context.cached_stage(Stage::Object, &[arms.1], &(&params, &prompts), ExitCode::BadInput, |watch| {
         if prompts.is_empty() {
@@ -236,17 +236,23 @@ pub(super) fn object(
     })
 }
 
-fn prompts(choice: Option<&ObjectChoice>, human: BTreeMap<FrameIndex, RleMask>) -> Vec<ObjectPrompt> {
-    let chosen = choice.filter(|choice| !human.contains_key(&choice.frame)).map(|choice| ObjectPrompt {
-        frame: choice.frame,
-        kind: match choice.prompt.clone() {
+fn prompts(
+    document: &Document,
+    choice: Option<&ObjectChoice>,
+    human: BTreeMap<FrameIndex, RleMask>,
+) -> Vec<ObjectPrompt> {
+    let chosen = choice.filter(|choice| !human.contains_key(&choice.frame)).map(|choice| {
+        let kind = match choice.prompt.clone() {
             ObjectPromptKind::Box(bounds) => PromptKind::Box(bounds),
             ObjectPromptKind::Points { positive, negative } => PromptKind::Points { positive, negative },
-        },
+        };
+        ObjectPrompt::new(choice.frame, kind)
     });
-    let drawn = human
-        .into_iter()
-        .map(|(frame, mask)| ObjectPrompt { frame, kind: PromptKind::Mask { mask, human: true } });
+    let drawn = human.into_iter().map(|(frame, mask)| {
+        let reach = document.object_reach.get(&frame).copied().unwrap_or_default();
+        let kind = PromptKind::Mask { mask, human: true };
+        ObjectPrompt { frame, kind, reach: (reach.backward, reach.forward) }
+    });
     chosen.into_iter().chain(drawn).collect()
 }
 

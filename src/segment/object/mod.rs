@@ -78,6 +78,7 @@ pub fn track_object(
     let scale = WorkScale::fit(size, params.work_side.max(64));
     let mut scene = Scene { frames, arms, landmarks, params, scale, arm_colours: None, watch };
     scene.learn_arm_colours()?;
+    let reach: Reaches = prompts.iter().map(|p| (p.frame, p.reach)).collect();
     let prompts: BTreeMap<FrameIndex, &PromptKind> = prompts.iter().map(|p| (p.frame, &p.kind)).collect();
     let seeds = seeds(&scene, &prompts)?;
     if seeds.is_empty() {
@@ -93,7 +94,7 @@ pub fn track_object(
         }
         Ok(())
     };
-    let found = propagate(&scene, &seeds, count, &tell)?;
+    let found = propagate(&scene, &seeds, count, &reach, &tell)?;
     let frames = (0..count).into_par_iter().map(|at| {
         watch.check()?;
         let index = FrameIndex(at as u32);
@@ -203,11 +204,15 @@ fn seeds(
     Ok(seeds)
 }
 
-/// Sweeps both ways from every seed and joins what meets.
+/// Whether the prompt of a frame is spread to earlier and to later frames.
+type Reaches = BTreeMap<FrameIndex, (bool, bool)>;
+
+/// Sweeps both ways from every seed, as far as its prompt is to be spread, and joins what meets.
 fn propagate(
     scene: &Scene<'_>,
     seeds: &[(FrameIndex, State)],
     count: usize,
+    reach: &Reaches,
     tell: &(dyn Fn(FrameIndex, &Found) -> Result<(), SegmentError> + Sync),
 ) -> Result<Vec<Found>, SegmentError> {
     // Each job: the seed it starts from, its direction, where it ends (exclusive of other seeds).
@@ -216,8 +221,13 @@ fn propagate(
         let here = i64::from(index.0);
         let before = if at == 0 { -1 } else { i64::from(seeds[at - 1].0.0) };
         let after = seeds.get(at + 1).map_or(count as i64, |next| i64::from(next.0.0));
-        jobs.push((at, (here + 1..after).collect::<Vec<i64>>()));
-        jobs.push((at, (before + 1..here).rev().collect::<Vec<i64>>()));
+        let (backward, forward) = reach.get(index).copied().unwrap_or((true, true));
+        if forward {
+            jobs.push((at, (here + 1..after).collect::<Vec<i64>>()));
+        }
+        if backward {
+            jobs.push((at, (before + 1..here).rev().collect::<Vec<i64>>()));
+        }
     }
     let total: usize = jobs.iter().map(|job| job.1.len()).sum();
     let finished = AtomicUsize::new(0);

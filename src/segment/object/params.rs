@@ -15,6 +15,15 @@ pub struct ObjectPrompt {
     pub frame: FrameIndex,
     /// What it says.
     pub kind: PromptKind,
+    /// Whether it is spread to earlier and to later frames.
+    pub reach: (bool, bool),
+}
+
+impl ObjectPrompt {
+    /// A prompt that is spread both ways.
+    pub fn new(frame: FrameIndex, kind: PromptKind) -> Self {
+        Self { frame, kind, reach: (true, true) }
+    }
 }
 
 /// A prompt in pixels of the clip.

@@ -114,6 +114,7 @@ impl OperatorApp {
         let only_masks = self.working.as_ref().is_some_and(|(_, worked)| {
             let mut same = document.clone();
             same.object_masks.clone_from(&worked.object_masks);
+            same.object_reach.clone_from(&worked.object_reach);
             same.arm_masks.clone_from(&worked.arm_masks);
             same == **worked && *document != **worked
         });
@@ -142,8 +143,9 @@ impl OperatorApp {
     pub(super) fn masks_wait(&self) -> bool {
         let (Some(workspace), Some((_, worked))) = (&self.workspace, &self.working) else { return false };
         let document = workspace.document();
-        [MaskLayer::Object, MaskLayer::Arms]
-            .iter()
-            .any(|layer| document.masks(*layer) != worked.masks(*layer))
+        document.object_reach != worked.object_reach
+            || [MaskLayer::Object, MaskLayer::Arms]
+                .iter()
+                .any(|layer| document.masks(*layer) != worked.masks(*layer))
     }
 }

@@ -154,7 +154,9 @@ fn propagate(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
             sign(ui, cx.tokens, Icon::Warning, cx.tokens.alarm, &failure.message);
             command_button(ui, cx, UiCommand::Rerun);
         }
-        Work::Idle => hint(ui, cx.tokens, "From this frame on; your own masks are never changed"),
+        Work::Idle => {
+            hint(ui, cx.tokens, "Spreads your mask of this frame; your own masks are never changed")
+        }
     }
 }
 

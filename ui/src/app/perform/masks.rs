@@ -4,7 +4,7 @@ use agenticfocus::{
     clip::FrameIndex,
     engine::Direction,
     image::Mask,
-    session::{Command, MaskEdit, MaskLayer},
+    session::{Command, MaskEdit, MaskLayer, MaskReach},
 };
 
 use super::super::OperatorApp;
@@ -71,11 +71,29 @@ impl OperatorApp {
         self.change(Command::SetMask { layer, frame, edit }, Vec::new());
     }
 
-    fn propagate(&mut self, first: Direction) {
+    /// Spreads the operator's masks. One on screen is spread the way the command says from now on; the others as before.
+    fn propagate(&mut self, direction: Direction) {
+        self.set_reach(direction);
         if self.masks_wait() {
-            self.work(first);
+            self.work(direction);
         } else {
-            self.say("Masks are spread already; edit one first");
+            self.say("Masks are spread already; edit one first, or trust the one on screen");
+        }
+    }
+
+    fn set_reach(&mut self, direction: Direction) {
+        let Some(workspace) = &self.workspace else { return };
+        let (document, frame) = (workspace.document(), workspace.playhead);
+        if self.options.mask_layer != MaskLayer::Object || !document.object_masks.contains_key(&frame) {
+            return;
+        }
+        let reach = match direction {
+            Direction::Forward => Some(MaskReach { backward: false, forward: true }),
+            Direction::Backward => Some(MaskReach { backward: true, forward: false }),
+            Direction::Both => None,
+        };
+        if document.object_reach.get(&frame).copied() != reach {
+            self.change(Command::SetReach { frame, reach }, Vec::new());
         }
     }
 }
