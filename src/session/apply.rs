@@ -4,9 +4,12 @@ use std::mem::replace;
 
 use nalgebra::Matrix3;
 
-use super::{Command, Document, MaskEdit, MaskLayer, RetargetSettings};
+use super::{
+    Command, Document, HandEdit, MaskEdit, MaskLayer, ObjectPromptKind, ObjectProposal, RetargetSettings,
+};
 use crate::{
     clip::{CameraSpec, FrameIndex},
+    geometry::Pixel,
     landmarks::KEYPOINT_COUNT,
     retarget::Beta,
 };
@@ -45,8 +48,14 @@ impl Document {
                 check_camera(&camera)?;
                 Command::SetCamera(replace(&mut self.camera, camera))
             }
-            Command::SetProposals(list) => Command::SetProposals(replace(&mut self.proposals, list)),
-            Command::SetObject(choice) => Command::SetObject(replace(&mut self.object, choice)),
+            Command::SetProposals(list) => {
+                list.iter().try_for_each(check_object)?;
+                Command::SetProposals(replace(&mut self.proposals, list))
+            }
+            Command::SetObject(choice) => {
+                choice.iter().try_for_each(check_object)?;
+                Command::SetObject(replace(&mut self.object, choice))
+            }
             Command::SetMask { layer, frame, edit } => self.set_mask(layer, frame, edit),
             Command::SetReach { frame, reach } => {
                 let reach = put(&mut self.object_reach, frame, reach);
@@ -61,10 +70,7 @@ impl Document {
             Command::SetPlacement { frame, transform } => self.set_placement(frame, transform)?,
             Command::SetHandTrack(path) => Command::SetHandTrack(replace(&mut self.hand_track, path)),
             Command::SetHandEdit { frame, side, edit } => {
-                if let Some(index) = edit.iter().flat_map(|e| e.keypoints.keys()).find(|i| **i >= 21) {
-                    return Err(refuse("keypoint", index, "an index from 0 to 20"));
-                }
-                debug_assert_eq!(KEYPOINT_COUNT, 21);
+                edit.iter().try_for_each(check_hand)?;
                 let edit = put(&mut self.hand_edits[side], frame, edit);
                 Command::SetHandEdit { frame, side, edit }
             }
@@ -132,6 +138,38 @@ fn put<K: Ord, V>(map: &mut std::collections::BTreeMap<K, V>, key: K, value: Opt
         Some(value) => map.insert(key, value),
         None => map.remove(&key),
     }
+}
+
+fn check_hand(edit: &HandEdit) -> Result<(), ApplyError> {
+    debug_assert_eq!(KEYPOINT_COUNT, 21);
+    for (index, point) in &edit.keypoints {
+        if *index >= 21 {
+            return Err(refuse("keypoint", index, "an index from 0 to 20"));
+        }
+        check_pixel("keypoint", point)?;
+    }
+    Ok(())
+}
+
+fn check_object(object: &ObjectProposal) -> Result<(), ApplyError> {
+    if !object.confidence.is_finite() {
+        return Err(refuse("confidence", object.confidence, "a finite number"));
+    }
+    match &object.prompt {
+        ObjectPromptKind::Box(bounds) => {
+            let fine = [bounds.x0, bounds.y0, bounds.x1, bounds.y1].iter().all(|value| value.is_finite());
+            if fine { Ok(()) } else { Err(refuse("box", bounds, "finite pixels")) }
+        }
+        ObjectPromptKind::Points { positive, negative } => {
+            positive.iter().chain(negative).try_for_each(|point| check_pixel("point", point))
+        }
+    }
+}
+
+/// JSON has no other numbers: a journal line with one could be written, but never read again.
+fn check_pixel(name: &'static str, point: &Pixel) -> Result<(), ApplyError> {
+    let fine = point.x.is_finite() && point.y.is_finite();
+    if fine { Ok(()) } else { Err(refuse(name, point, "finite pixels")) }
 }
 
 fn check_camera(camera: &CameraSpec) -> Result<(), ApplyError> {

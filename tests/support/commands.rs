@@ -216,7 +216,24 @@ pub fn refused_command() -> impl Strategy<Value = Command> {
         side: Side::Left,
         edit: Some(HandEdit { keypoints: BTreeMap::from([(index, Pixel::new(x, 0.0))]), invalid: false }),
     };
+    let object = |confidence: f64, prompt: ObjectPromptKind| ObjectProposal {
+        label: String::new(),
+        frame: FrameIndex(0),
+        prompt,
+        confidence,
+        reason: String::new(),
+        author: Author::Human,
+    };
+    let bounds = |x0: f64| ObjectPromptKind::Box(PixelBox { x0, y0: 0.0, x1: 9.0, y1: 9.0 });
+    let beside = |y: f64| ObjectPromptKind::Points {
+        positive: vec![Pixel::new(1.0, 1.0)],
+        negative: vec![Pixel::new(0.0, y)],
+    };
     prop::sample::select(vec![
+        Command::SetObject(Some(object(0.5, bounds(f64::NAN)))),
+        Command::SetObject(Some(object(0.5, beside(f64::NEG_INFINITY)))),
+        Command::SetProposals(vec![object(0.5, bounds(0.0)), object(f64::NAN, bounds(0.0))]),
+        hand(3, f64::NAN),
         Command::SetCamera(CameraSpec::HorizontalFov(180.0)),
         Command::SetCamera(CameraSpec::Intrinsics { fx: f64::NAN, fy: 1.0, cx: 0.0, cy: 0.0 }),
         Command::SetPlacement { frame: FrameIndex(1), transform: Some(Matrix3::zeros()) },
