@@ -1,10 +1,16 @@
 //! `agenticfocus-ui`: the window on this machine, with the engine in this process.
 
-use std::{path::PathBuf, process::ExitCode, sync::Arc, time::Instant};
+use std::{
+    env,
+    path::{Path, PathBuf},
+    process::ExitCode,
+    sync::Arc,
+    time::Instant,
+};
 
 use agenticfocus::{engine::LocalEngine, pipeline::Installation};
 use agenticfocus_ui::{
-    app::{NativeDialogs, OperatorApp},
+    app::{NativeDialogs, OperatorApp, window_file},
     measure::Measure,
     tour::Tour,
 };
@@ -49,8 +55,16 @@ fn main() -> ExitCode {
         Box::new(|creation| {
             let context = creation.egui_ctx.clone();
             let waker = Arc::new(move || context.request_repaint());
+            let demo = demo_session(&arguments.out);
             let engine = LocalEngine::start(arguments.out, Installation::locate(), waker);
-            let mut app = OperatorApp::new(Box::new(engine), Box::<NativeDialogs>::default());
+            let mut app =
+                OperatorApp::new(Box::new(engine), Box::<NativeDialogs>::default()).offering_demo(demo);
+            // Pictures and figures must be the same everywhere: neither takes up nor leaves anything.
+            let by_hand = arguments.screenshots.is_none() && !arguments.measure;
+            let file = window_file(env::var_os("XDG_CONFIG_HOME"), env::var_os("HOME")).filter(|_| by_hand);
+            if let Some(file) = file {
+                app = app.remembering(file);
+            }
             if let Some(input) = arguments.input {
                 app.open(input);
             }
@@ -68,6 +82,14 @@ fn main() -> ExitCode {
             ExitCode::from(1)
         }
     }
+}
+
+/// The session of the demo, where it was made: `agenticfocus demo` puts it in `out/demo`.
+fn demo_session(out: &Path) -> Option<PathBuf> {
+    [out, Path::new("out")]
+        .map(|folder| folder.join("demo").join("episode.afs"))
+        .into_iter()
+        .find(|path| path.is_dir())
 }
 
 /// The app as eframe wants it.
@@ -98,5 +120,9 @@ impl eframe::App for Window {
         if let Some(measure) = &mut self.measure {
             measure.after(&mut self.app);
         }
+    }
+
+    fn on_exit(&mut self) {
+        self.app.close();
     }
 }

@@ -18,6 +18,7 @@ impl OperatorApp {
             Event::Opened(opened) => self.opened(*opened),
             Event::NotOpened { path, message } => {
                 self.opening = None;
+                self.recent.forget(&path);
                 self.say(&format!("{} not opened: {message}", path.display()));
             }
             Event::Queue { path, items } => {

@@ -31,6 +31,7 @@ use crate::{
 
 pub use dialogs::{Dialogs, NativeDialogs, Purpose};
 pub use messages::Message;
+pub use remember::window_file;
 
 /// The operator's window.
 pub struct OperatorApp {
@@ -53,6 +54,10 @@ pub struct OperatorApp {
     working: Option<(Revision, Arc<Document>)>,
     play: play::Play,
     recent: remember::Recent,
+    /// Where the window keeps itself; `None` where it does not.
+    memory: Option<remember::Memory>,
+    /// A session to try the window with.
+    demo: Option<PathBuf>,
 }
 
 impl std::fmt::Debug for OperatorApp {
@@ -81,6 +86,8 @@ impl OperatorApp {
             working: None,
             play: play::Play::default(),
             recent: remember::Recent::default(),
+            memory: None,
+            demo: None,
         }
     }
 
@@ -170,6 +177,7 @@ impl OperatorApp {
         for request in self.pictures.wishes() {
             self.engine.send(Request::Show(request));
         }
+        self.remember(&ctx);
     }
 
     /// Makes egui's style from the tokens, where the theme changed.

@@ -14,7 +14,10 @@ use crate::state::StepState;
 impl OperatorApp {
     /// Opens whatever lies at `path`.
     pub(super) fn open_path(&mut self, path: PathBuf) {
-        self.recent.add(&path);
+        // A clip of the queue is found through the queue.
+        if !self.queue.items.iter().any(|item| item.path == path) {
+            self.recent.add(&path);
+        }
         if is_queue(&path) {
             self.options.queue_open = true;
             self.engine.send(Request::Survey(path));

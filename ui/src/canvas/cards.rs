@@ -1,7 +1,8 @@
 //! What is said in the middle of the canvas when there is no picture to show.
 
 use egui::{
-    Align, Align2, FontId, Frame, Layout, Margin, Rect, RichText, Sense, Stroke, Ui, UiBuilder, Vec2, vec2,
+    Align, Align2, FontId, Frame, Layout, Margin, Rect, RichText, Sense, Stroke, Ui, UiBuilder, Vec2, pos2,
+    vec2,
 };
 
 use super::{
@@ -9,14 +10,25 @@ use super::{
     shapes::{self, LineStyle},
 };
 use crate::{
+    action::Action,
     state::{Context, Work, Workspace},
     theme::Tokens,
     ui_command::UiCommand,
-    widgets::{Icon, command_button, empty_state},
+    widgets::{Icon, command_button, empty_state, path_button},
 };
 
 /// Width of a card, points.
 const WIDTH: f32 = 400.0;
+/// Files shown that were open before.
+const RECENT: usize = 5;
+/// Width of a row with such a file, points.
+const ROW_WIDTH: f32 = 360.0;
+/// Height of the heading over these rows with the room above it, points.
+const HEADING: f32 = 40.0;
+/// Room kept free above and below all of it, inside the dashed border, points.
+const AROUND: f32 = 36.0;
+/// Height of glyph, words and buttons, points.
+const BEGINNING: f32 = 132.0;
 
 /// Says how to begin.
 pub(super) fn no_clip(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect) {
@@ -28,9 +40,48 @@ pub(super) fn no_clip(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect) {
         let (title, text) = ("Let go to open", "A video, a session, or a folder of clips");
         empty(ui, cx, rect, (Icon::Folder, title, text), &[]);
     } else {
-        let (title, text) = ("No clip open", "Drop a video here, or try the demo episode");
-        empty(ui, cx, rect, (Icon::Picture, title, text), &[UiCommand::Open, UiCommand::OpenFolder]);
+        start(ui, cx, rect);
     }
+}
+
+/// Ways to begin: files, the demo where it was made, what was open before.
+fn start(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect) {
+    let text =
+        if cx.demo.is_some() { "Drop a video here, or try the demo episode" } else { "Drop a video here" };
+    let rect = rect.shrink2(vec2(0.0, AROUND));
+    let room = ((rect.height() - BEGINNING - HEADING) / Tokens::ROW).max(0.0) as usize;
+    let shown = cx.recent.len().min(RECENT).min(room);
+    let list = if shown > 0 { HEADING + shown as f32 * Tokens::ROW } else { 0.0 };
+    // The list hangs below what an empty state draws.
+    let above = Rect::from_min_max(rect.min, pos2(rect.max.x, rect.max.y - list));
+    let width = ROW_WIDTH.min(rect.width() - 96.0);
+    ui.scope_builder(UiBuilder::new().max_rect(above), |ui| {
+        let tokens = cx.tokens;
+        empty_state(ui, tokens, Icon::Picture, "No clip open", text, |ui| {
+            buttons(ui, cx, &[UiCommand::Open, UiCommand::OpenFolder], true);
+            if shown > 0 {
+                recent(ui, cx, shown, width);
+            }
+        });
+    });
+}
+
+/// The `shown` newest files that were open.
+fn recent(ui: &mut Ui, cx: &mut Context<'_>, shown: usize, width: f32) {
+    ui.add_space(16.0);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    ui.allocate_ui_with_layout(vec2(width, 0.0), Layout::top_down(Align::Min), |ui| {
+        ui.set_width(width);
+        ui.horizontal(|ui| {
+            ui.add_space(ui.spacing().button_padding.x);
+            ui.label(RichText::new("Recent").size(Tokens::SMALL).color(cx.tokens.muted));
+        });
+        ui.add_space(4.0);
+        let paths = cx.recent;
+        for path in &paths[..shown] {
+            path_button(ui, cx, path, width);
+        }
+    });
 }
 
 /// Says why there is no picture of an open clip yet.
@@ -90,7 +141,7 @@ fn empty(
 ) {
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         let tokens = cx.tokens;
-        empty_state(ui, tokens, icon, title, text, |ui| buttons(ui, cx, commands));
+        empty_state(ui, tokens, icon, title, text, |ui| buttons(ui, cx, commands, false));
     });
 }
 
@@ -132,7 +183,7 @@ fn framed(ui: &mut Ui, cx: &mut Context<'_>, rect: Rect, title: &str, text: &str
 }
 
 /// Buttons side by side in the middle.
-fn buttons(ui: &mut Ui, cx: &mut Context<'_>, commands: &[UiCommand]) {
+fn buttons(ui: &mut Ui, cx: &mut Context<'_>, commands: &[UiCommand], with_demo: bool) {
     let id = ui.scope_id().with("card buttons");
     let width = ui.data(|data| data.get_temp::<f32>(id)).unwrap_or(0.0);
     let space = ((ui.available_width() - width) / 2.0).max(0.0);
@@ -142,11 +193,23 @@ fn buttons(ui: &mut Ui, cx: &mut Context<'_>, commands: &[UiCommand]) {
         for command in commands {
             command_button(ui, cx, *command);
         }
+        if with_demo {
+            demo(ui, cx);
+        }
         ui.min_rect().max.x - start
     });
     if !commands.is_empty() && (row.inner - width).abs() > 0.5 {
         ui.data_mut(|data| data.insert_temp(id, row.inner));
         ui.ctx().request_repaint();
+    }
+}
+
+/// Opens the demo, where it was made.
+fn demo(ui: &mut Ui, cx: &mut Context<'_>) {
+    let Some(path) = cx.demo else { return };
+    let button = ui.button("Try the demo episode").on_hover_text(path.display().to_string());
+    if button.clicked() {
+        cx.ask(Action::Open(path.to_owned()));
     }
 }
 

@@ -3,7 +3,13 @@
 use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Sense, Ui, UiBuilder};
 
 use super::{QueuePanel, StatusBar, Timeline, TopBar};
-use crate::{key_sheet::KeySheet, palette::Palette, state::Context, theme, ui_command::UiCommand};
+use crate::{
+    key_sheet::KeySheet,
+    palette::Palette,
+    state::{Context, Options},
+    theme,
+    ui_command::UiCommand,
+};
 
 /// Below this width of the window the queue folds away, points.
 const NARROW: f32 = 1100.0;
@@ -90,6 +96,11 @@ impl Shell {
         CentralPanel::default().frame(ground).show(ui, |ui| canvas(ui, cx));
         self.palette.show(ui, cx);
         self.key_sheet.show(ui, cx);
+    }
+
+    /// Whether the operator wants the queue, were there room.
+    pub fn queue_wanted(&self, options: &Options) -> bool {
+        options.queue_open || self.narrow == Some(true)
     }
 
     /// Folds the queue away when the window becomes narrow, and back when it becomes wide again.

@@ -2,7 +2,8 @@
 
 use agenticfocus::session::Step;
 use egui::{
-    Align, Button, Label, Layout, Popup, Rect, RichText, Sense, Ui, WidgetInfo, accesskit::Role, vec2,
+    Align, Button, Label, Layout, Popup, Rect, RichText, Sense, Ui, WidgetInfo, accesskit::Role,
+    containers::menu::SubMenuButton, vec2,
 };
 
 use crate::{
@@ -10,11 +11,16 @@ use crate::{
     state::{Context, StepState},
     theme::{ThemeChoice, Tokens},
     ui_command::UiCommand,
-    widgets::{Chip, Icon, command_icon_button, command_menu_button, step_glyph, step_name, step_words},
+    widgets::{
+        Chip, Icon, command_icon_button, command_menu_button, path_button, step_glyph, step_name, step_words,
+    },
 };
 
 /// Room between two step chips, with the chevron in it, points.
 const BETWEEN: f32 = 14.0;
+
+/// Width of the menu of recent files, points.
+const RECENT: f32 = 320.0;
 
 /// The bar at the top.
 #[derive(Debug, Default)]
@@ -162,6 +168,9 @@ fn menu(ui: &mut Ui, cx: &mut Context<'_>) {
         ] {
             for command in group {
                 command_menu_button(ui, cx, *command);
+                if *command == C::OpenFolder {
+                    recent(ui, cx);
+                }
             }
             line(ui, cx.tokens);
         }
@@ -171,6 +180,33 @@ fn menu(ui: &mut Ui, cx: &mut Context<'_>) {
             command_menu_button(ui, cx, command);
         }
     });
+}
+
+/// What was opened before, in a menu of its own: it may be long.
+fn recent(ui: &mut Ui, cx: &mut Context<'_>) {
+    const TEXT: &str = "Open recent";
+    let any = !cx.recent.is_empty();
+    let button = Button::new(TEXT)
+        .right_text(SubMenuButton::arrow_atom(None))
+        .frame_when_inactive(false)
+        .min_size(vec2(224.0, Tokens::ROW));
+    if !any {
+        let response = ui.add_enabled(false, button);
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, false, TEXT));
+        response.on_disabled_hover_text("Nothing was opened yet");
+        return;
+    }
+    let (response, _) = SubMenuButton::from_button(button).ui(ui, |ui| {
+        ui.set_width(RECENT);
+        ui.spacing_mut().item_spacing.y = 0.0;
+        let paths = cx.recent;
+        for path in paths {
+            if path_button(ui, cx, path, RECENT).clicked() {
+                ui.close();
+            }
+        }
+    });
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, TEXT));
 }
 
 fn theme(ui: &mut Ui, cx: &mut Context<'_>) {

@@ -1,5 +1,7 @@
 //! What every panel is handed.
 
+use std::path::{Path, PathBuf};
+
 use agenticfocus::engine::QueueItem;
 
 use super::{Options, Pictures, Queue, Workspace};
@@ -19,6 +21,10 @@ pub struct Context<'a> {
     pub pictures: &'a mut Pictures,
     /// Colours and sizes.
     pub tokens: &'a Tokens,
+    /// Files that were opened, the newest first.
+    pub recent: &'a [PathBuf],
+    /// A session to try the window with, where there is one.
+    pub demo: Option<&'a Path>,
     /// What is to be done.
     pub actions: &'a mut Vec<Action>,
 }

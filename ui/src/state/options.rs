@@ -7,6 +7,8 @@ use agenticfocus::{
     session::{MaskLayer, Step},
 };
 
+use serde::{Deserialize, Serialize};
+
 use crate::theme::ThemeChoice;
 
 /// What the pointer does on the canvas in the step of masks.
@@ -56,7 +58,8 @@ pub struct LayerEyes {
 }
 
 /// How source and composite are compared.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum BeforeAfter {
     /// The composite alone (default).
     #[default]
@@ -68,7 +71,8 @@ pub enum BeforeAfter {
 }
 
 /// How fast a clip plays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PlaySpeed {
     /// ¼×.
     Quarter,

@@ -6,8 +6,11 @@ mod tokens;
 pub use style::{apply, number_font, small_number_font};
 pub use tokens::Tokens;
 
+use serde::{Deserialize, Serialize};
+
 /// Which colours the operator wants.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ThemeChoice {
     /// As the system says (default).
     #[default]

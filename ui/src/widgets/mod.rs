@@ -7,6 +7,7 @@ mod chip;
 mod empty;
 mod icon;
 mod keys;
+mod path_button;
 mod state_glyph;
 mod thumbnail;
 
@@ -20,5 +21,6 @@ pub use empty::empty_state;
 pub use icon::Icon;
 pub(crate) use keys::small;
 pub use keys::{key_caps, key_text, tooltip_with_key};
+pub use path_button::path_button;
 pub use state_glyph::{StateGlyph, review_glyph, review_words, step_glyph, step_name, step_words};
 pub use thumbnail::Thumbnails;

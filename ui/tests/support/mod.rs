@@ -33,6 +33,8 @@ pub struct Bench {
     pub options: Options,
     pub pictures: Pictures,
     pub tokens: Tokens,
+    pub recent: Vec<PathBuf>,
+    pub demo: Option<PathBuf>,
     pub actions: Vec<Action>,
 }
 
@@ -45,6 +47,8 @@ impl Bench {
             options: Options::default(),
             pictures: sample_pictures(),
             tokens,
+            recent: Vec::new(),
+            demo: None,
             actions: Vec::new(),
         }
     }
@@ -62,6 +66,8 @@ impl Bench {
             options: &mut self.options,
             pictures: &mut self.pictures,
             tokens: &self.tokens,
+            recent: &self.recent,
+            demo: self.demo.as_deref(),
             actions: &mut self.actions,
         }
     }

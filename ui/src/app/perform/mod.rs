@@ -78,6 +78,8 @@ impl OperatorApp {
             options: &mut self.options,
             pictures: &mut self.pictures,
             tokens: &self.tokens,
+            recent: self.recent.paths(),
+            demo: self.demo.as_deref(),
             actions,
         }
     }
