@@ -80,7 +80,7 @@ fn template_caption(scene: &Scene<'_>) -> Caption {
         Some((_, false)) => {
             let placement = track.placements.get(scene.frame.as_usize()).and_then(Option::as_ref);
             let trust = placement.map_or(0.0, |placement| placement.confidence * 100.0);
-            (Some(Icon::Dot), format!("By the machine, trust {trust:.0} %"))
+            (Some(Icon::Dot), format!("Machine, trust {trust:.0} %"))
         }
     }
 }

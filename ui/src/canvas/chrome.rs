@@ -11,7 +11,7 @@ use crate::{
     state::{BeforeAfter, Context, Tool},
     theme::{Tokens, small_number_font},
     ui_command::UiCommand,
-    widgets::{Icon, command_button, command_icon_button, command_toggle},
+    widgets::{Icon, command_button, command_icon_button, command_switch, command_toggle},
 };
 
 /// Commands of the strip; with `Some` where they switch something that is on or off.
@@ -71,6 +71,9 @@ fn groups(cx: &Context<'_>, pressed: Pressed) -> [Group; 2] {
 
 fn command(ui: &mut Ui, cx: &mut Context<'_>, (command, on): (UiCommand, Option<bool>)) {
     match on {
+        Some(on) if matches!(command, UiCommand::BeforeAfter | UiCommand::TemplateMask) => {
+            command_switch(ui, cx, command, on)
+        }
         Some(on) => command_toggle(ui, cx, command, on),
         None => command_button(ui, cx, command),
     };

@@ -46,9 +46,18 @@ pub fn command_menu_button(ui: &mut Ui, cx: &mut Context<'_>, command: UiCommand
     of_command(ui, cx, command, button)
 }
 
-/// A button of `command` that stays pressed while `on`.
+/// A button of `command` that stays pressed while `on`: one of several side by side.
 pub fn command_toggle(ui: &mut Ui, cx: &mut Context<'_>, command: UiCommand, on: bool) -> Response {
-    let response = of_command(ui, cx, command, Button::selectable(on, command.text()));
+    toggle(ui, cx, command, on, Button::selectable(on, command.text()))
+}
+
+/// As [`command_toggle`], but alone: it has a frame, without which nobody would take it for a button.
+pub fn command_switch(ui: &mut Ui, cx: &mut Context<'_>, command: UiCommand, on: bool) -> Response {
+    toggle(ui, cx, command, on, Button::selectable(on, command.text()).frame_when_inactive(true))
+}
+
+fn toggle(ui: &mut Ui, cx: &mut Context<'_>, command: UiCommand, on: bool, button: Button<'_>) -> Response {
+    let response = of_command(ui, cx, command, button);
     response.widget_info(|| WidgetInfo::selected(Role::Button, response.enabled(), on, command.text()));
     response
 }

@@ -13,7 +13,8 @@ mod thumbnail;
 
 pub use availability::{blocked, blocked_in_its_step, command_step};
 pub use button::{
-    IconButton, command_button, command_icon_button, command_menu_button, command_toggle, icon_button,
+    IconButton, command_button, command_icon_button, command_menu_button, command_switch, command_toggle,
+    icon_button,
 };
 pub use card::card;
 pub use chip::Chip;
