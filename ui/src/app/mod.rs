@@ -1,5 +1,6 @@
 //! The window: takes the engine's events and the operator's keys, draws the panels, carries out what they ask.
 
+mod close;
 mod dialogs;
 mod edit;
 mod events;
@@ -58,6 +59,8 @@ pub struct OperatorApp {
     memory: Option<remember::Memory>,
     /// A session to try the window with.
     demo: Option<PathBuf>,
+    /// Whether the operator was told that closing drops changes.
+    told_unsaved: bool,
 }
 
 impl std::fmt::Debug for OperatorApp {
@@ -88,6 +91,7 @@ impl OperatorApp {
             recent: remember::Recent::default(),
             memory: None,
             demo: None,
+            told_unsaved: false,
         }
     }
 
@@ -167,6 +171,7 @@ impl OperatorApp {
         self.hear_engine();
         self.hear_dialogs();
         self.drop_old_messages(&ctx);
+        self.guard_closing(&ctx);
         self.take_dropped_files(&ctx);
         let mut actions = self.take_keys(&ctx);
         self.keep_playing(&ctx);
