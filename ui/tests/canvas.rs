@@ -462,36 +462,3 @@ fn a_picture_that_cannot_be_had_is_explained() {
     harness.get_by_label(words);
     harness.snapshot("canvas_fault_dark");
 }
-
-/// Writes pictures to judge by eye.
-#[test]
-#[ignore = "writes pictures to look at"]
-fn pictures_to_look_at() {
-    let folder = std::env::temp_dir().join("agenticfocus-canvas");
-    std::fs::create_dir_all(&folder).unwrap();
-    let mut harness = harness(Bench::new(Tokens::light()), vec2(704.0, 430.0));
-    let options = &mut harness.state_mut().bench.options;
-    options.step = Step::Composite;
-    options.eyes.background.shown = false;
-    options.eyes.robot.opacity = 0.5;
-    harness.run();
-    harness.get_by_label("Layers").click();
-    harness.run();
-    harness.render().unwrap().save(folder.join("layers.png")).unwrap();
-    let bench = &mut harness.state_mut().bench;
-    bench.options.step = Step::Object;
-    let failure = agenticfocus::engine::WorkFailure {
-        stage: Some("clip".to_owned()),
-        message: "cup_lid.mp4 cannot be read: no video stream in it. Open another file".to_owned(),
-    };
-    let workspace = bench.workspace.as_mut().unwrap();
-    workspace.found.clip = None;
-    workspace.work = agenticfocus_ui::state::Work::Failed(failure);
-    harness.run();
-    harness.render().unwrap().save(folder.join("failed.png")).unwrap();
-    let workspace = harness.state_mut().bench.workspace.as_mut().unwrap();
-    workspace.work =
-        agenticfocus_ui::state::Work::Running { stage: "clip", share: 0.3, left: None, paused: false };
-    harness.run();
-    harness.render().unwrap().save(folder.join("reading.png")).unwrap();
-}

@@ -186,34 +186,3 @@ fn a_thin_fast_stroke_has_no_gaps() {
         assert!((0..SIZE.height).any(|y| mask.get(x, y)), "column {x} is empty");
     }
 }
-
-/// Prints how long a full-size picture takes.
-#[test]
-#[ignore = "prints figures"]
-fn figures_at_1080p() {
-    let size = Size::new(1920, 1080);
-    let mut mask = Mask::new(size);
-    for at in 0..12 {
-        let from = Pixel::new(200.0 + 90.0 * f64::from(at), 1100.0);
-        let to = Pixel::new(500.0 + 60.0 * f64::from(at), 300.0 + 20.0 * f64::from(at));
-        paint::stroke(&mut mask, from, to, 30.0, true);
-    }
-    let figure = |name: &str, work: &mut dyn FnMut()| {
-        let start = std::time::Instant::now();
-        for _ in 0..10 {
-            work();
-        }
-        println!("{name}: {:.2} ms", start.elapsed().as_secs_f64() * 100.0);
-    };
-    let rle = agenticfocus::segment::RleMask::encode(&mask);
-    figure("decode", &mut || drop(rle.decode()));
-    figure("outline", &mut || drop(paint::outline(&mask)));
-    figure("grow by 10", &mut || drop(paint::grow(&mask, 10)));
-    figure("shrink by 10", &mut || drop(paint::shrink(&mask, 10)));
-    figure("fill holes", &mut || {
-        paint::fill_holes(&mut mask.clone());
-    });
-    figure("dab", &mut || {
-        paint::stroke(&mut mask, Pixel::new(900.0, 500.0), Pixel::new(930.0, 520.0), 40.0, true);
-    });
-}
