@@ -1,7 +1,7 @@
 //! What tools do to a mask: pure operations on pixels, each telling which rectangle it touched.
 //!
-//! Positions are [`Pixel`](agenticfocus::geometry::Pixel)s, so a pixel's centre has integer coordinates. Whatever comes in, a position that
-//! is no number or far away, the work stays inside the picture.
+//! Positions are [`Pixel`](agenticfocus::geometry::Pixel)s, so a pixel's centre has integer coordinates. Whatever
+//! comes in, a position that is no number or far away, the work stays inside the picture.
 
 mod area;
 mod grow;
