@@ -1,4 +1,4 @@
-//! How things are looked at: selection, playing, theme, panels.
+//! How things are looked at: selection, playing, theme, scale.
 
 use super::super::OperatorApp;
 use crate::{
@@ -31,15 +31,11 @@ impl OperatorApp {
                     workspace.draft = None;
                 }
             }
-            C::ToggleQueue => options.queue_open = !options.queue_open,
-            C::ToggleInspector => options.inspector_open = !options.inspector_open,
             C::ThemeDark => options.theme = ThemeChoice::Dark,
             C::ThemeLight => options.theme = ThemeChoice::Light,
             C::Larger => options.zoom = (options.zoom * ZOOM_STEP).min(2.5),
             C::Smaller => options.zoom = (options.zoom / ZOOM_STEP).max(0.6),
-            C::FillLess => options.mask_opacity = (options.mask_opacity - 0.1).max(0.0),
-            C::FillMore => options.mask_opacity = (options.mask_opacity + 0.1).min(1.0),
-            // The canvas and the timeline carry out what is left, or it lasts as long as its key.
+            // Canvas and shell carry out what is left, or it lasts as long as its key.
             _ => {}
         }
     }

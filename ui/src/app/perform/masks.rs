@@ -1,41 +1,17 @@
-//! Masks: tools, whole-frame operations, propagation.
+//! Masks: what is said about a frame, propagation. Tools and what they do belong to the canvas.
 
 use agenticfocus::{
-    clip::FrameIndex,
     engine::Direction,
-    image::Mask,
     session::{Command, MaskEdit, MaskLayer, MaskReach},
 };
 
 use super::super::OperatorApp;
-use crate::{paint, state::Tool, ui_command::UiCommand as C};
+use crate::ui_command::UiCommand as C;
 
 impl OperatorApp {
     pub(super) fn perform_masks(&mut self, command: C) {
         match command {
-            C::LayerObject => self.options.mask_layer = MaskLayer::Object,
-            C::LayerArms => self.options.mask_layer = MaskLayer::Arms,
-            C::Brush => self.options.tool = Tool::Brush,
-            C::Eraser => self.options.tool = Tool::Eraser,
-            C::SwapBrush => {
-                let brush = self.options.tool == Tool::Brush;
-                self.options.tool = if brush { Tool::Eraser } else { Tool::Brush };
-            }
-            C::BoxTool => self.options.tool = Tool::Box,
-            C::Polygon => self.options.tool = Tool::Polygon,
-            C::Lasso => self.options.tool = Tool::Lasso,
-            C::PointsTool => self.options.tool = Tool::Points,
-            C::BrushSmaller => self.options.brush_radius = (self.options.brush_radius / 1.25).max(0.5),
-            C::BrushLarger => self.options.brush_radius = (self.options.brush_radius * 1.25).min(300.0),
-            C::OnionSkin => self.options.onion_skin = !self.options.onion_skin,
-            C::FillHoles => self.edit_mask(|mask, _| {
-                let mut filled = mask.clone();
-                paint::fill_holes(&mut filled);
-                filled
-            }),
-            C::Grow => self.edit_mask(paint::grow),
-            C::Shrink => self.edit_mask(paint::shrink),
-            C::Trust => self.edit_mask(|mask, _| mask.clone()),
+            C::Trust => self.trust(),
             C::Absent => self.set_edit(Some(MaskEdit::Absent)),
             C::ForgetMask => self.set_edit(None),
             C::PropagateForward => self.propagate(Direction::Forward),
@@ -47,17 +23,12 @@ impl OperatorApp {
         }
     }
 
-    /// Makes another mask of the one on screen: one undo step.
-    fn edit_mask(&mut self, edit: impl FnOnce(&Mask, u32) -> Mask) {
-        let (layer, radius) = (self.options.mask_layer, self.options.grow_by);
-        let Some((frame, mask)) = self.mask_here(layer) else { return };
-        let edited = edit(&mask, radius);
-        self.change_mask(layer, frame, &edited);
-    }
-
-    fn mask_here(&self, layer: MaskLayer) -> Option<(FrameIndex, Mask)> {
-        let workspace = self.workspace.as_ref()?;
-        Some((workspace.playhead, workspace.mask_pixels(layer, workspace.playhead)?))
+    /// Makes the mask on screen the operator's own.
+    fn trust(&mut self) {
+        let Some(workspace) = &self.workspace else { return };
+        let (layer, frame) = (self.options.mask_layer, workspace.playhead);
+        let Some(mask) = workspace.mask_pixels(layer, frame) else { return };
+        self.change_mask(layer, frame, &mask);
     }
 
     /// Says something about the mask on screen, or takes back what was said.

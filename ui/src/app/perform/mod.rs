@@ -91,8 +91,6 @@ impl OperatorApp {
             C::NextClip => self.open_next(),
             C::Undo => self.step_history(Entry::Undo),
             C::Redo => self.step_history(Entry::Redo),
-            C::Palette => self.options.palette_open = !self.options.palette_open,
-            C::Keys => self.options.keys_open = !self.options.keys_open,
             C::Confirm => self.confirm(),
             C::Checkpoint => self.engine.send(Request::RetrySave),
             C::SaveElsewhere => self.ask_for(Purpose::SaveElsewhere),

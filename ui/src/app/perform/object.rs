@@ -3,7 +3,7 @@
 use agenticfocus::session::{Author, Command, ObjectChoice};
 
 use super::super::OperatorApp;
-use crate::{state::Tool, ui_command::UiCommand as C};
+use crate::ui_command::UiCommand as C;
 
 impl OperatorApp {
     pub(super) fn perform_object(&mut self, command: C) {
@@ -13,9 +13,9 @@ impl OperatorApp {
             C::Choose3 => self.choose(2),
             C::Choose4 => self.choose(3),
             C::Choose5 => self.choose(4),
-            C::DrawBox => self.options.tool = Tool::Box,
-            C::DrawPoints => self.options.tool = Tool::Points,
-            _ => self.change(Command::SetObject(None), Vec::new()),
+            C::NoObject => self.change(Command::SetObject(None), Vec::new()),
+            // The canvas draws boxes and takes points.
+            _ => {}
         }
     }
 
