@@ -15,7 +15,7 @@ pub enum LayerOrderChange {
 }
 
 /// The layer order that holds on `frame`: later ranges win.
-pub(super) fn layer_order_on(document: &Document, frame: FrameIndex) -> (LayerOrder, Option<bool>) {
+pub fn layer_order_on(document: &Document, frame: FrameIndex) -> (LayerOrder, Option<bool>) {
     let holds = |range: &&LayerOrderRange| range.first <= frame && frame <= range.last;
     document
         .layer_orders

@@ -12,7 +12,7 @@ mod template;
 mod words;
 
 pub use edits::{
-    LayerOrderChange, choose_template_frame, with_layer_order, without_layer_order, without_swap,
+    LayerOrderChange, choose_template_frame, layer_order_on, with_layer_order, without_layer_order, without_swap,
 };
 pub use retarget::{Knob, SideNumbers, View, numbers_of, sparc};
 pub use review::{ChecklistItem, Verdict, checklist};

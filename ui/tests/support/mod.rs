@@ -4,13 +4,16 @@
 #![allow(clippy::unwrap_used, reason = "a sample that cannot be made is a failed test")]
 
 mod findings;
+pub mod puppet;
 mod scene;
 
 use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
 use agenticfocus::{
     clip::FrameIndex,
-    engine::{Access, Layers, Opened, PictureKind, PictureRequest, QueueItem, Revision, SaveState, Shown},
+    engine::{
+        Access, Finding, Layers, Opened, PictureKind, PictureRequest, QueueItem, Revision, SaveState, Shown,
+    },
     geometry::Size,
     session::{
         Author, ClipReference, Command, Document, Entry, HandEdit, History, LayerOrder, LayerOrderRange,
@@ -145,8 +148,8 @@ fn sample_document(ids: &[MaskId; 3]) -> Document {
     document
 }
 
-/// The sample session with everything found out.
-pub fn sample_workspace() -> Workspace {
+/// The sample session as the engine opens it.
+fn sample_opened() -> Opened {
     let masks = [scene::object_mask(0), scene::object_mask(30), scene::arms_mask(12)].map(Arc::new);
     let ids = [0, 1, 2].map(|at: usize| MaskId::of(&masks[at]).unwrap());
     let mut history = History::new(sample_document(&ids));
@@ -160,13 +163,36 @@ pub fn sample_workspace() -> Workspace {
     ] {
         assert!(history.apply(Entry::Do(command)).unwrap());
     }
-    let mut workspace = Workspace::new(Opened {
+    Opened {
         folder: PathBuf::from("/clips/cup_lid.afs"),
         history,
         masks: ids.into_iter().zip(masks).collect(),
         access: Access::Writable,
         notes: Vec::new(),
-    });
+    }
+}
+
+/// The sample session as an engine tells of it.
+pub fn sample_session() -> (Opened, Vec<Finding>) {
+    let found = findings::sample_findings();
+    let findings = vec![
+        Finding::Clip(found.clip.unwrap()),
+        Finding::Landmarks(found.landmarks.unwrap()),
+        Finding::Arms(found.arms.unwrap()),
+        Finding::Choice(found.choice),
+        Finding::Object(found.object.unwrap()),
+        Finding::Template(found.template),
+        Finding::Background(found.background.unwrap()),
+        Finding::Hands(found.hands.unwrap()),
+        Finding::Motion(found.motion.unwrap()),
+        Finding::Order(found.order.unwrap()),
+    ];
+    (sample_opened(), findings)
+}
+
+/// The sample session with everything found out.
+pub fn sample_workspace() -> Workspace {
+    let mut workspace = Workspace::new(sample_opened());
     workspace.found = findings::sample_findings();
     workspace.worked_for = Some(workspace.revision);
     workspace.playhead = frame(22);
@@ -245,6 +271,11 @@ pub fn long_workspace(count: usize) -> Workspace {
 /// A harness-sized picture of nothing, where a test needs one.
 pub fn blank(size: Size) -> agenticfocus::image::Rgb8 {
     agenticfocus::image::Rgb8::new(size)
+}
+
+/// A mask of the sample's size with a square in it.
+pub fn square_mask() -> agenticfocus::image::Mask {
+    agenticfocus::image::Mask::from_fn(SIZE, |x, y| (40..80).contains(&x) && (40..80).contains(&y))
 }
 
 /// A harness of the given size that draws `show` with the bench, light or dark as the bench's tokens say.

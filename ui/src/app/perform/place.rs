@@ -3,7 +3,7 @@
 use agenticfocus::{clip::FrameIndex, session::Command};
 
 use super::super::OperatorApp;
-use crate::ui_command::UiCommand as C;
+use crate::{inspector::choose_template_frame, ui_command::UiCommand as C};
 
 impl OperatorApp {
     pub(super) fn perform_template(&mut self, command: C) {
@@ -24,9 +24,9 @@ impl OperatorApp {
         }
     }
 
-    /// The mask drawn for another frame does not fit the new one.
     fn cut_template_from(&mut self, frame: Option<FrameIndex>) {
-        let commands = vec![Command::SetTemplateFrame(frame), Command::SetTemplateMask(None)];
-        self.change(Command::Together(commands), Vec::new());
+        let Some(workspace) = &self.workspace else { return };
+        let command = choose_template_frame(workspace.document(), frame);
+        self.change(command, Vec::new());
     }
 }

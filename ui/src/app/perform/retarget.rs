@@ -2,11 +2,14 @@
 
 use agenticfocus::{
     retarget::Beta,
-    session::{Command, LayerOrder, LayerOrderRange, RetargetSettings},
+    session::{Command, LayerOrder, RetargetSettings},
 };
 
 use super::super::OperatorApp;
-use crate::ui_command::UiCommand as C;
+use crate::{
+    inspector::{LayerOrderChange, layer_order_on, with_layer_order},
+    ui_command::UiCommand as C,
+};
 
 impl OperatorApp {
     pub(super) fn perform_retarget(&mut self, command: C) {
@@ -23,28 +26,24 @@ impl OperatorApp {
     }
 
     pub(super) fn perform_composite(&mut self, command: C) {
-        match command {
-            C::OrderAuto => self.set_order(Some(LayerOrder::Auto)),
-            C::OrderRobot => self.set_order(Some(LayerOrder::RobotInFront)),
-            C::OrderObject => self.set_order(Some(LayerOrder::ObjectInFront)),
-            C::OrderThumb => self.set_order(None),
-            _ => self.compare(),
-        }
-    }
-
-    /// Forces an order on the selected frames; without one, turns the thumb pass on or off there.
-    fn set_order(&mut self, order: Option<LayerOrder>) {
+        let change = match command {
+            C::OrderAuto => LayerOrderChange::Order(LayerOrder::Auto),
+            C::OrderRobot => LayerOrderChange::Order(LayerOrder::RobotInFront),
+            C::OrderObject => LayerOrderChange::Order(LayerOrder::ObjectInFront),
+            C::OrderThumb => self.thumb_turned(),
+            _ => return self.compare(),
+        };
         let (first, last) = self.selected_frames();
         let Some(workspace) = &self.workspace else { return };
-        let mut orders = workspace.document().layer_orders.clone();
-        let known = orders.iter().position(|range| range.first == first && range.last == last);
-        let before = known.map(|at| orders.remove(at));
-        let old = before.unwrap_or(LayerOrderRange { first, last, order: LayerOrder::Auto, thumb: None });
-        let range = match order {
-            Some(order) => LayerOrderRange { order, ..old },
-            None => LayerOrderRange { thumb: Some(!old.thumb.unwrap_or(true)), ..old },
-        };
-        orders.push(range);
-        self.change(Command::SetLayerOrders(orders), Vec::new());
+        let command = with_layer_order(workspace.document(), first, last, change);
+        self.change(command, Vec::new());
+    }
+
+    /// The thumb pass off where it was on or left to the contact, else on.
+    fn thumb_turned(&self) -> LayerOrderChange {
+        let (first, _) = self.selected_frames();
+        let document = self.workspace.as_ref().map(|workspace| workspace.document());
+        let (_, thumb) = document.map_or_else(Default::default, |document| layer_order_on(document, first));
+        LayerOrderChange::Thumb(Some(!thumb.unwrap_or(true)))
     }
 }

@@ -1,0 +1,59 @@
+//! What keys do to the session, through the whole window.
+#![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
+
+mod support;
+
+use agenticfocus::{
+    clip::FrameIndex,
+    session::{LayerOrder, Step},
+};
+use agenticfocus_ui::{inspector::layer_order_on, ui_command::UiCommand};
+use support::puppet::Window;
+
+/// The window at the first frame of the sample, in `step`.
+fn window_in(step: Step) -> Window {
+    let mut window = Window::with_sample();
+    window.harness.state_mut().look_at(FrameIndex(0), step);
+    window.harness.run_steps(2);
+    window
+}
+
+fn run(window: &mut Window, command: UiCommand) {
+    let key = command.keys()[0];
+    window.press(key.modifiers, key.logical_key);
+}
+
+#[test]
+fn auto_by_key_takes_back_an_order_that_was_forced_on_more_frames() {
+    let mut window = window_in(Step::Composite);
+    window.harness.state_mut().options_mut().selection = Some((FrameIndex(0), FrameIndex(9)));
+    run(&mut window, UiCommand::OrderRobot);
+    assert_eq!(layer_order_on(&window.document(), FrameIndex(4)).0, LayerOrder::RobotInFront);
+    window.harness.state_mut().options_mut().selection = Some((FrameIndex(3), FrameIndex(5)));
+    run(&mut window, UiCommand::OrderAuto);
+    let document = window.document();
+    // Every range that covers a frame has its say, so none may be left that forces one here.
+    let forces = |frame: u32| {
+        document.layer_orders.iter().any(|range| {
+            (range.first.0..=range.last.0).contains(&frame) && range.order != LayerOrder::Auto
+        })
+    };
+    let forced: Vec<u32> = (0..10).filter(|frame| forces(*frame)).collect();
+    assert_eq!(forced, [0, 1, 2, 6, 7, 8, 9]);
+}
+
+#[test]
+fn cutting_the_template_from_here_drops_a_mask_that_was_drawn_elsewhere_and_no_other() {
+    let mut window = window_in(Step::Template);
+    run(&mut window, UiCommand::TemplateHere);
+    assert_eq!(window.document().template.frame, Some(FrameIndex(0)));
+    let drawn = support::square_mask();
+    let ctx = window.harness.ctx.clone();
+    let action = agenticfocus_ui::action::Action::ChangeTemplateMask { mask: drawn };
+    window.harness.state_mut().act(&ctx, action);
+    assert!(window.document().template.mask.is_some());
+    run(&mut window, UiCommand::TemplateHere);
+    assert!(window.document().template.mask.is_some(), "the frame is the same");
+    run(&mut window, UiCommand::TemplateAuto);
+    assert_eq!((window.document().template.frame, window.document().template.mask), (None, None));
+}
