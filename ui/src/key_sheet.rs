@@ -19,17 +19,6 @@ const COLUMN: f32 = 288.0;
 #[derive(Debug, Default)]
 pub struct KeySheet;
 
-const SCOPES: [(Scope, &str); 8] = [
-    (Scope::Global, "Everywhere"),
-    (Scope::Object, "Object"),
-    (Scope::Masks, "Masks"),
-    (Scope::Template, "Template"),
-    (Scope::Hands, "Hands"),
-    (Scope::Retarget, "Retarget"),
-    (Scope::Composite, "Composite"),
-    (Scope::Review, "Review"),
-];
-
 /// A line of the sheet.
 #[derive(Clone, Copy)]
 enum Line {
@@ -39,11 +28,13 @@ enum Line {
 
 /// The step on screen comes first, then what holds everywhere, then the other steps.
 fn lines(step: Step) -> Vec<Line> {
-    let mut scopes = SCOPES.to_vec();
-    scopes.sort_by_key(|(scope, name)| (*name != step_name(step), *scope != Scope::Global));
+    let others = Step::ALL.into_iter().filter(|other| *other != step).map(Scope::Step);
     let mut lines = Vec::new();
-    for (scope, name) in scopes {
-        lines.push(Line::Heading(name));
+    for scope in [Scope::Step(step), Scope::Global].into_iter().chain(others) {
+        lines.push(Line::Heading(match scope {
+            Scope::Global => "Everywhere",
+            Scope::Step(step) => step_name(step),
+        }));
         lines.extend(UiCommand::all().filter(|command| command.scope() == scope).map(Line::Command));
     }
     lines

@@ -11,7 +11,7 @@ use crate::{
     state::{Context, Options},
     theme::Tokens,
     ui_command::UiCommand,
-    widgets::{Icon, blocked_in_its_step, command_step, key_text, small, step_name},
+    widgets::{Icon, blocked_in_its_step, key_text, small, step_name},
 };
 
 /// Width of the palette, points.
@@ -71,7 +71,7 @@ fn find(cx: &Context<'_>, pattern: &str) -> Vec<Found> {
             let by_name = fuzzy(pattern, command.text()).map(|score| 20 + 2 * score);
             let said = command.tooltip().to_lowercase().contains(&pattern.trim().to_lowercase());
             let score = by_name.or(said.then_some(0))?;
-            let step = command_step(command).filter(|step| *step != cx.options.step);
+            let step = command.scope().step().filter(|step| *step != cx.options.step);
             Some(Found { command, step, reason: blocked_in_its_step(cx, command), score })
         })
         .collect();

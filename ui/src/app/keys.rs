@@ -14,7 +14,7 @@ impl OperatorApp {
     /// Commands whose keys were pressed. While somebody types, only keys with Ctrl and the palette's count.
     pub(super) fn take_keys(&mut self, ctx: &Context) -> Vec<Action> {
         let typing = ctx.text_edit_focused();
-        let scope = Scope::of(self.options.step);
+        let scope = Scope::Step(self.options.step);
         let dialog = self.options.palette_open || self.options.keys_open;
         let mut commands: Vec<(UiCommand, KeyboardShortcut)> = UiCommand::all()
             .filter(|command| command.scope() == Scope::Global || (command.scope() == scope && !dialog))

@@ -1,6 +1,6 @@
 //! Whether a command can be carried out now, and why not.
 
-use agenticfocus::{engine::Access, session::Step};
+use agenticfocus::engine::Access;
 
 use crate::{
     state::{Context, Work, Workspace},
@@ -10,23 +10,9 @@ use crate::{
 /// Why `command` cannot be carried out now, in words for a tooltip; `None` where it can.
 pub fn blocked(cx: &Context<'_>, command: UiCommand) -> Option<String> {
     blocked_in_its_step(cx, command).or_else(|| {
-        let step = command_step(command).filter(|step| *step != cx.options.step)?;
+        let step = command.scope().step().filter(|step| *step != cx.options.step)?;
         Some(format!("Only in the step “{}”", super::step_name(step).to_lowercase()))
     })
-}
-
-/// The step that `command` belongs to; `None` where it holds everywhere.
-pub fn command_step(command: UiCommand) -> Option<Step> {
-    match command.scope() {
-        Scope::Global => None,
-        Scope::Object => Some(Step::Object),
-        Scope::Masks => Some(Step::Masks),
-        Scope::Template => Some(Step::Template),
-        Scope::Hands => Some(Step::Hands),
-        Scope::Retarget => Some(Step::Retarget),
-        Scope::Composite => Some(Step::Composite),
-        Scope::Review => Some(Step::Review),
-    }
 }
 
 /// Why `command` could not even be carried out in the step it belongs to.

@@ -11,7 +11,7 @@ mod path_button;
 mod state_glyph;
 mod thumbnail;
 
-pub use availability::{blocked, blocked_in_its_step, command_step};
+pub use availability::{blocked, blocked_in_its_step};
 pub use button::{
     IconButton, command_button, command_icon_button, command_menu_button, command_switch, command_toggle,
     icon_button,

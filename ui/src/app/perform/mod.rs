@@ -37,13 +37,13 @@ impl OperatorApp {
         }
         match command.scope() {
             Scope::Global => self.perform_global(ctx, command),
-            Scope::Object => self.perform_object(command),
-            Scope::Masks => self.perform_masks(command),
-            Scope::Template => self.perform_template(command),
-            Scope::Hands => self.perform_hands(command),
-            Scope::Retarget => self.perform_retarget(command),
-            Scope::Composite => self.perform_composite(command),
-            Scope::Review => match command {
+            Scope::Step(Step::Object) => self.perform_object(command),
+            Scope::Step(Step::Masks) => self.perform_masks(command),
+            Scope::Step(Step::Template) => self.perform_template(command),
+            Scope::Step(Step::Hands) => self.perform_hands(command),
+            Scope::Step(Step::Retarget) => self.perform_retarget(command),
+            Scope::Step(Step::Composite) => self.perform_composite(command),
+            Scope::Step(Step::Review) => match command {
                 C::Accept => self.accept(),
                 C::Reject => {
                     self.judge(|reason, note| ReviewState::Rejected { reason, note }, "not usable");
