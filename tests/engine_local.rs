@@ -15,7 +15,7 @@ use std::{
 use agenticfocus::{
     clip::FrameIndex,
     engine::{
-        Change, Direction, Engine, Event, Finding, LocalEngine, Opened, PictureKind, PictureRequest, Request,
+        Change, Engine, Event, Finding, LocalEngine, Opened, PictureKind, PictureRequest, Request,
         Revision, SaveState, Shown,
     },
     pipeline::Installation,
@@ -75,8 +75,7 @@ impl Operator {
 
     fn work(&self, document: &Document, revision: u64) {
         let document = Arc::new(document.clone());
-        let (revision, playhead) = (Revision(revision), FrameIndex(0));
-        self.engine.send(Request::Work { document, revision, playhead, first: Direction::Both });
+        self.engine.send(Request::Work { document, revision: Revision(revision) });
     }
 
     fn wait_for_work(&self, revision: u64) {
@@ -234,8 +233,6 @@ fn what_cannot_be_opened_is_said_and_the_engine_lives_on() {
     operator.engine.send(Request::Work {
         document: Arc::new(opened.history.document().clone()),
         revision: Revision(1),
-        playhead: FrameIndex(0),
-        first: Direction::Both,
     });
     let end = Instant::now() + Duration::from_secs(30);
     let failure = loop {

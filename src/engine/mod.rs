@@ -17,7 +17,7 @@ pub use finding::Finding;
 #[cfg(feature = "engine")]
 pub use local::{LocalEngine, Waker};
 pub use picture::{Layers, OrbitCamera, PictureKind, PictureRequest, Shown};
-pub use request::{Change, Direction, Request, Revision};
+pub use request::{Change, Request, Revision};
 
 /// A processing core that works beside its caller.
 pub trait Engine: Send {

@@ -32,17 +32,6 @@ pub struct Change {
     pub masks: Vec<(MaskId, Arc<RleMask>)>,
 }
 
-/// Which way masks spread from the playhead.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// To earlier frames.
-    Backward,
-    /// To later frames.
-    Forward,
-    /// Both ways.
-    Both,
-}
-
 /// A request.
 #[derive(Clone, Debug)]
 pub enum Request {
@@ -60,16 +49,12 @@ pub enum Request {
     /// Keeps the session, with everything not written yet, in another folder from now on.
     SaveElsewhere(PathBuf),
     /// Finds everything out for this document, replacing work in progress. Unchanged stages cost nothing.
-    /// `first` is the direction whose frames are wanted first. Answers: [`super::Event::Found`] and more.
+    /// Answers: [`super::Event::Found`] and more.
     Work {
         /// The document to work for.
         document: Arc<Document>,
         /// Its revision.
         revision: Revision,
-        /// Where the operator looks.
-        playhead: FrameIndex,
-        /// What they want first.
-        first: Direction,
     },
     /// Holds or goes on with the work in progress.
     Pause(bool),

@@ -94,7 +94,7 @@ impl Engine for LocalEngine {
             Request::Keep(change) => self.order(Order::Keep(change)),
             Request::RetrySave => self.order(Order::RetrySave),
             Request::SaveElsewhere(folder) => self.order(Order::SaveElsewhere(folder)),
-            Request::Work { document, revision, .. } => shared.want_work(document, revision),
+            Request::Work { document, revision } => shared.want_work(document, revision),
             Request::Pause(paused) => shared.pause(paused),
             Request::Cancel => shared.cancel_work(),
             Request::Show(request) => shared.want_picture(request),

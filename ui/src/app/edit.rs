@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use agenticfocus::{
     clip::FrameIndex,
-    engine::{Change, Direction, Request},
+    engine::{Change, Request},
     image::Mask,
     segment::RleMask,
     session::{Author, Command, Document, Entry, MaskEdit, MaskId, MaskLayer, Step},
@@ -104,7 +104,7 @@ impl OperatorApp {
         }
         workspace.revision = workspace.revision.next();
         let document = Arc::new(document);
-        self.work_for(document, Direction::Both);
+        self.work_for(document);
     }
 
     /// After a change: masks wait until they are propagated, everything else is worked out at once.
@@ -121,22 +121,22 @@ impl OperatorApp {
         if only_masks && self.options.step == Step::Masks {
             return;
         }
-        self.work(Direction::Both);
+        self.work();
     }
 
     /// Asks for everything about the document as it stands.
-    pub(super) fn work(&mut self, first: Direction) {
+    pub(super) fn work(&mut self) {
         let Some(workspace) = &self.workspace else { return };
         let document = Arc::new(workspace.document().clone());
-        self.work_for(document, first);
+        self.work_for(document);
     }
 
-    fn work_for(&mut self, document: Arc<Document>, first: Direction) {
+    fn work_for(&mut self, document: Arc<Document>) {
         let Some(workspace) = &mut self.workspace else { return };
-        let (revision, playhead) = (workspace.revision, workspace.playhead);
+        let revision = workspace.revision;
         workspace.worked_for = Some(revision);
         self.working = Some((revision, Arc::clone(&document)));
-        self.engine.send(Request::Work { document, revision, playhead, first });
+        self.engine.send(Request::Work { document, revision });
     }
 
     /// Whether masks were edited since the engine was last asked to spread them.

@@ -47,7 +47,7 @@ impl OperatorApp {
         self.workspace = Some(workspace);
         self.working = None;
         self.options.step = self.first_open_step();
-        self.work(agenticfocus::engine::Direction::Both);
+        self.work();
     }
 
     fn hear_of_session(&mut self, event: Event) {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use agenticfocus::{
     clip::FrameIndex,
-    engine::{Direction, Request},
+    engine::Request,
     session::{MaskLayer, Step},
 };
 
@@ -91,7 +91,7 @@ impl OperatorApp {
             workspace.draft = None;
         }
         if leaves_masks && self.masks_wait() {
-            self.work(Direction::Both);
+            self.work();
         }
     }
 

@@ -1,9 +1,6 @@
 //! Masks: what is said about a frame, propagation. Tools and what they do belong to the canvas.
 
-use agenticfocus::{
-    engine::Direction,
-    session::{Command, MaskEdit, MaskLayer, MaskReach},
-};
+use agenticfocus::session::{Command, MaskEdit, MaskLayer, MaskReach};
 
 use super::super::OperatorApp;
 use crate::ui_command::UiCommand as C;
@@ -14,9 +11,9 @@ impl OperatorApp {
             C::Trust => self.trust(),
             C::Absent => self.set_edit(Some(MaskEdit::Absent)),
             C::ForgetMask => self.set_edit(None),
-            C::PropagateForward => self.propagate(Direction::Forward),
-            C::PropagateBackward => self.propagate(Direction::Backward),
-            C::PropagateBoth => self.propagate(Direction::Both),
+            C::PropagateForward => self.propagate(Some(MaskReach { backward: false, forward: true })),
+            C::PropagateBackward => self.propagate(Some(MaskReach { backward: true, forward: false })),
+            C::PropagateBoth => self.propagate(None),
             // The canvas had its chance: nothing is open that could be finished.
             C::FinishShape => self.confirm(),
             _ => {}
@@ -42,27 +39,23 @@ impl OperatorApp {
         self.change(Command::SetMask { layer, frame, edit }, Vec::new());
     }
 
-    /// Spreads the operator's masks. One on screen is spread the way the command says from now on; the others as before.
-    fn propagate(&mut self, direction: Direction) {
-        self.set_reach(direction);
+    /// Spreads the operator's masks. One on screen reaches as far as the command says from now on, `None` both ways;
+    /// the others as before.
+    fn propagate(&mut self, reach: Option<MaskReach>) {
+        self.set_reach(reach);
         if self.masks_wait() {
-            self.work(direction);
+            self.work();
         } else {
             self.say("Masks are spread already; edit one first, or trust the one on screen");
         }
     }
 
-    fn set_reach(&mut self, direction: Direction) {
+    fn set_reach(&mut self, reach: Option<MaskReach>) {
         let Some(workspace) = &self.workspace else { return };
         let (document, frame) = (workspace.document(), workspace.playhead);
         if self.options.mask_layer != MaskLayer::Object || !document.object_masks.contains_key(&frame) {
             return;
         }
-        let reach = match direction {
-            Direction::Forward => Some(MaskReach { backward: false, forward: true }),
-            Direction::Backward => Some(MaskReach { backward: true, forward: false }),
-            Direction::Both => None,
-        };
         if document.object_reach.get(&frame).copied() != reach {
             self.change(Command::SetReach { frame, reach }, Vec::new());
         }

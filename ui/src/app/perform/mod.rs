@@ -9,7 +9,7 @@ mod retarget;
 
 use agenticfocus::{
     clip::FrameIndex,
-    engine::{Direction, Request},
+    engine::Request,
     session::{Command, Entry, ReviewState, Step},
 };
 use egui::{Context, ViewportCommand};
@@ -102,7 +102,7 @@ impl OperatorApp {
                 self.ask(Request::Pause(!held));
             }
             C::Cancel => self.stop_work(),
-            C::Rerun => self.work(Direction::Both),
+            C::Rerun => self.work(),
             C::Export => self.ask(Request::Export),
             C::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             C::PreviousFrame => self.seek_by(-1),
