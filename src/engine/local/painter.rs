@@ -18,6 +18,7 @@ use crate::{
     pipeline::{FramePixels, compose_frame, render_robot, robot_renderer},
     progress::Unwatched,
     render::{OrbitRenderer, RobotRenderer},
+    robot::RobotModel,
     segment::{
         RleMask,
         object::{self, ObjectParams, ObjectPrompt, PromptKind},
@@ -27,8 +28,8 @@ use crate::{
 /// The painter's own things; OpenGL contexts belong to its thread.
 #[derive(Default)]
 struct Studio {
-    robot: Option<(Arc<StandardClip>, String, RobotRenderer)>,
-    orbit: Option<(String, OrbitRenderer)>,
+    robot: Option<(Arc<StandardClip>, RobotModel, RobotRenderer)>,
+    orbit: Option<(RobotModel, OrbitRenderer)>,
 }
 
 pub(super) fn run(shared: &Shared) {
@@ -96,6 +97,11 @@ fn source(clip: &dyn FrameSource, frame: FrameIndex) -> Result<Rgb8, String> {
     clip.frame(frame).map_err(|error| error.to_string())
 }
 
+/// Whether both share one compiled model; a clip's is loaded once.
+fn is_same(one: &RobotModel, other: &RobotModel) -> bool {
+    Arc::ptr_eq(one.mujoco(), other.mujoco())
+}
+
 /// A frame's layers, made as the export makes them.
 fn layers(studio: &mut Studio, scene: &Scene, frame: FrameIndex) -> Result<Layers, String> {
     let found = &scene.found;
@@ -103,14 +109,13 @@ fn layers(studio: &mut Studio, scene: &Scene, frame: FrameIndex) -> Result<Layer
         source: source(&*found.clip, frame)?,
         background: source(&found.background.frames, frame)?,
     };
-    let robot_name = found.robot.mjcf().to_owned();
     let known = studio
         .robot
         .as_ref()
-        .is_some_and(|(clip, name, _)| Arc::ptr_eq(clip, &found.clip) && *name == robot_name);
+        .is_some_and(|(clip, robot, _)| Arc::ptr_eq(clip, &found.clip) && is_same(robot, &found.robot));
     if !known {
         let renderer = robot_renderer(found).map_err(|failure| failure.message)?;
-        studio.robot = Some((Arc::clone(&found.clip), robot_name, renderer));
+        studio.robot = Some((Arc::clone(&found.clip), found.robot.clone(), renderer));
     }
     let Some((_, _, renderer)) = &mut studio.robot else { return Err("no renderer".to_owned()) };
     let robot = render_robot(renderer, found, &scene.plan, frame).map_err(|failure| failure.message)?;
@@ -138,11 +143,13 @@ fn orbit(
     let large_enough = |renderer: &OrbitRenderer| {
         renderer.size().width >= size.width && renderer.size().height >= size.height
     };
-    let known =
-        studio.orbit.as_ref().is_some_and(|(name, renderer)| *name == robot.mjcf() && large_enough(renderer));
+    let known = studio
+        .orbit
+        .as_ref()
+        .is_some_and(|(known, renderer)| is_same(known, robot) && large_enough(renderer));
     if !known {
         let renderer = OrbitRenderer::new(robot, size).map_err(|error| error.to_string())?;
-        studio.orbit = Some((robot.mjcf().to_owned(), renderer));
+        studio.orbit = Some((robot.clone(), renderer));
     }
     let Some((_, renderer)) = &mut studio.orbit else { return Err("no renderer".to_owned()) };
     let angles = scene.found.motion.angles.get(frame.as_usize()).ok_or("beyond the clip's end")?;
