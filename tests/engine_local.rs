@@ -125,10 +125,14 @@ fn a_session_worked_on_through_the_engine_exports_what_the_batch_exports() {
     let operator = Operator::new(&out);
     operator.engine.send(Request::Survey(manifest.clone()));
     let items = operator.wait(|event| match event {
-        Event::Queue { items, .. } if items.iter().all(|item| item.thumbnail.is_some()) => Some(items),
+        Event::Queue { items, .. } => Some(items),
         _ => None,
     });
     assert_eq!(items.len(), 1);
+    operator.wait(|event| match event {
+        Event::QueueThumbnail { item, .. } => Some(assert_eq!(item, items[0].path)),
+        _ => None,
+    });
     let mut opened = operator.open(&items[0].path);
     operator.work(opened.history.document(), 1);
     operator.wait_for_work(1);

@@ -91,12 +91,21 @@ pub enum Event {
         /// Why, and what to do.
         message: String,
     },
-    /// Clips of a folder; comes again as thumbnails and states are read.
+    /// Clips of a folder; their pictures come one by one.
     Queue {
         /// The folder or manifest.
         path: PathBuf,
         /// Its clips, sorted by name.
         items: Vec<QueueItem>,
+    },
+    /// The picture of one of them.
+    QueueThumbnail {
+        /// The folder or manifest.
+        path: PathBuf,
+        /// What the item opens.
+        item: PathBuf,
+        /// A small picture of its first frame.
+        picture: Arc<Rgb8>,
     },
     /// How saving stands.
     Save(SaveState),

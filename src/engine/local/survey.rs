@@ -16,7 +16,7 @@ use crate::{
         ClipJob,
         batch::{ClipState, read_outcome},
     },
-    session::{ReviewState, Session},
+    session::{ClipReference, ReviewState, Session},
 };
 
 /// Thumbnails of the queue, pixels.
@@ -27,22 +27,20 @@ pub(super) fn path_of(job: &ClipJob) -> PathBuf {
     job.session.clone().unwrap_or_else(|| PathBuf::from(&job.document.clip.path))
 }
 
-/// Tells the clips at once and again as their pictures are read, on a thread of its own.
+/// Tells the clips at once and their pictures as they are read, on a thread of its own.
 pub(super) fn start(shared: &Arc<Shared>, path: PathBuf, jobs: Vec<ClipJob>) {
     let here = Arc::clone(shared);
     let started = std::thread::Builder::new().name("survey".to_owned()).spawn(move || {
-        let mut items: Vec<QueueItem> = jobs.iter().map(|job| item(&here, job)).collect();
-        here.tell(Event::Queue { path: path.clone(), items: items.clone() });
-        for at in 0..items.len() {
+        let (items, clips): (Vec<_>, Vec<_>) = jobs.iter().map(|job| item(&here, job)).unzip();
+        let paths: Vec<PathBuf> = items.iter().map(|item: &QueueItem| item.path.clone()).collect();
+        here.tell(Event::Queue { path: path.clone(), items });
+        for (item, clip) in paths.into_iter().zip(clips) {
             if here.is_stopping() {
                 return;
             }
-            let clip = match session_of(&here, &jobs[at]) {
-                Some(session) => session.document().clip.clone(),
-                None => jobs[at].document.clip.clone(),
-            };
-            items[at].thumbnail = thumbnail(Path::new(&clip.path), clip.rotate).map(Arc::new);
-            here.tell(Event::Queue { path: path.clone(), items: items.clone() });
+            if let Some(picture) = thumbnail(Path::new(&clip.path), clip.rotate).map(Arc::new) {
+                here.tell(Event::QueueThumbnail { path: path.clone(), item, picture });
+            }
         }
     });
     if let Err(error) = started {
@@ -55,30 +53,26 @@ fn session_of(shared: &Shared, job: &ClipJob) -> Option<Session> {
     Session::open_read_only(&folder).ok().map(|(session, _)| session)
 }
 
-fn item(shared: &Shared, job: &ClipJob) -> QueueItem {
+/// A row of the queue, without its picture, and the clip it is about.
+fn item(shared: &Shared, job: &ClipJob) -> (QueueItem, ClipReference) {
     let session = session_of(shared, job);
+    let document = session.as_ref().map_or(&job.document, Session::document);
     let out = job.session.as_deref().and_then(Path::parent).unwrap_or(&shared.out);
     let (exported, flags) = match read_outcome(&out.join(&job.id)) {
         Ok(ClipState::Done(outcome)) => (true, outcome.flags),
         _ => (false, Vec::new()),
     };
-    let clip_path = session.as_ref().map_or(&job.document.clip.path, |session| &session.document().clip.path);
     let fault = if job.session.is_some() && session.is_none() {
         Some("the session cannot be read".to_owned())
-    } else if !Path::new(clip_path).is_file() {
-        Some(format!("the video {clip_path} is not there"))
+    } else if !Path::new(&document.clip.path).is_file() {
+        Some(format!("the video {} is not there", document.clip.path))
     } else {
         None
     };
-    QueueItem {
-        id: job.id.clone(),
-        path: path_of(job),
-        review: session.map_or(ReviewState::Unreviewed, |session| session.document().review.clone()),
-        flags,
-        exported,
-        thumbnail: None,
-        fault,
-    }
+    let review = if session.is_some() { document.review.clone() } else { ReviewState::Unreviewed };
+    let item =
+        QueueItem { id: job.id.clone(), path: path_of(job), review, flags, exported, thumbnail: None, fault };
+    (item, document.clip.clone())
 }
 
 /// The clip's first frame, small; `None` where it cannot be read.

@@ -25,6 +25,7 @@ impl OperatorApp {
                 self.queue.path = Some(path);
                 self.queue.items = items;
             }
+            Event::QueueThumbnail { path, item, picture } => self.queue.take_thumbnail(&path, &item, picture),
             Event::Note(text) => self.mention(&text),
             Event::Picture { request, result } => self.pictures.take(request, result),
             other => self.hear_of_session(other),

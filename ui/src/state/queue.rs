@@ -1,8 +1,11 @@
 //! The clips of the folder that was opened.
 
-use std::path::PathBuf;
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
-use agenticfocus::{engine::QueueItem, session::ReviewState};
+use agenticfocus::{engine::QueueItem, image::Rgb8, session::ReviewState};
 
 /// A folder's clips.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +17,15 @@ pub struct Queue {
 }
 
 impl Queue {
+    /// Takes the picture of the item that opens `item`, if `path` is still the queue on screen.
+    pub fn take_thumbnail(&mut self, path: &Path, item: &Path, picture: Arc<Rgb8>) {
+        if self.path.as_deref() == Some(path)
+            && let Some(item) = self.items.iter_mut().find(|known| known.path == item)
+        {
+            item.thumbnail = Some(picture);
+        }
+    }
+
     /// The next clip after `id` (from the start without one, and around the end) that nobody decided about.
     pub fn next_unreviewed(&self, id: Option<&str>) -> Option<&QueueItem> {
         let at = id.and_then(|id| self.items.iter().position(|item| item.id == id));
