@@ -1,7 +1,7 @@
 //! What an interactive program keeps between runs of the same clip: nothing is decoded or read twice.
 
 use std::{
-    any::Any,
+    any::{Any, TypeId},
     collections::BTreeMap,
     sync::{Arc, Mutex, PoisonError},
 };
@@ -15,11 +15,11 @@ use crate::{
 /// An artifact of any type, by the key of what went into it.
 type Kept = (Key, Arc<dyn Any + Send + Sync>);
 
-/// The newest artifact of every stage, and the decoded clip.
+/// The newest artifact of every type that a stage has, and the decoded clip.
 #[derive(Debug, Default)]
 pub struct Memory {
     clip: Mutex<Option<(ClipRequest, Arc<StandardClip>)>>,
-    artifacts: Mutex<BTreeMap<Stage, Kept>>,
+    artifacts: Mutex<BTreeMap<(Stage, TypeId), Kept>>,
     robot: Mutex<Option<RobotModel>>,
 }
 
@@ -53,15 +53,15 @@ impl Memory {
     /// The artifact of `stage`, if it is the one that `key` names.
     pub(super) fn artifact<T: Any + Send + Sync>(&self, stage: Stage, key: &Key) -> Option<Arc<T>> {
         let artifacts = self.artifacts.lock().unwrap_or_else(PoisonError::into_inner);
-        let (known, artifact) = artifacts.get(&stage)?;
+        let (known, artifact) = artifacts.get(&(stage, TypeId::of::<T>()))?;
         if known == key { Arc::clone(artifact).downcast().ok() } else { None }
     }
 
-    /// Keeps the artifact of `stage`, and forgets the one before it.
+    /// Keeps the artifact of `stage`, and forgets the one of its type before it.
     pub(super) fn keep<T: Any + Send + Sync>(&self, stage: Stage, key: &Key, artifact: &Arc<T>) {
         let artifact: Arc<dyn Any + Send + Sync> = Arc::<T>::clone(artifact);
         let mut artifacts = self.artifacts.lock().unwrap_or_else(PoisonError::into_inner);
-        artifacts.insert(stage, (key.clone(), artifact));
+        artifacts.insert((stage, TypeId::of::<T>()), (key.clone(), artifact));
     }
 }
 

@@ -67,7 +67,7 @@ fn work(shared: &Shared, open: &OpenClip, wish: &Wish) -> Result<Scene, ClipFail
 fn same_pictures(old: &Scene, new: &crate::pipeline::Understood) -> bool {
     let old = &old.found;
     let same_template = match (&old.template, &new.template) {
-        (Some(old), Some(new)) => old == new,
+        (Some(old), Some(new)) => Arc::ptr_eq(old, new),
         (None, None) => true,
         _ => false,
     };

@@ -1,6 +1,6 @@
 //! From pixels to what is in them: hands, arms, object, template, background.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{borrow::Cow, collections::BTreeMap, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ use crate::{
         object::{self, ObjectParams, ObjectPrompt, PromptKind},
     },
     select::{self, SelectParams},
-    session::{Author, Command, Document, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState},
+    session::{Author, Command, Document, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState, TemplateEdits},
     template::{self, TemplateParams, TemplateTrack},
 };
 
@@ -277,28 +277,42 @@ pub(super) fn template(
 ) -> Result<(Option<Arc<TemplateTrack>>, Key), ClipFailure> {
     let edits = &context.document.template;
     let params = TemplateParams::default();
-    let mut object_masks = object.0.clone();
-    if let (Some(frame), Some(id)) = (edits.frame, &edits.mask)
-        && let Some(slot) = object_masks.frames.get_mut(frame.as_usize())
-    {
-        slot.mask = context.masks.get(id)?;
-    }
+    let drawn = match (edits.frame, &edits.mask) {
+        (Some(frame), Some(id)) => Some((frame, context.masks.get(id)?)),
+        _ => None,
+    };
     let inputs = (&params, edits.frame, &edits.mask);
     let (track, key) =
         context.cached_stage(Stage::Template, &[object.1, arms.1], &inputs, ExitCode::Internal, |watch| {
-            template::build(clip, &object_masks, &arms.0.union, edits.frame, landmarks, &params, watch)
-        })?;
-    let mut track = Option::clone(&track);
-    if let Some(track) = &mut track {
-        for (frame, transform) in &edits.placements {
-            if let Some(slot) = track.placements.get_mut(frame.as_usize()) {
-                let visible = slot.as_ref().map_or(1.0, |placement| placement.visible);
-                *slot = Some(template::Placement { transform: *transform, confidence: 1.0, visible });
+            let mut masks = Cow::Borrowed(object.0);
+            if let Some((frame, mask)) = drawn
+                && frame.as_usize() < masks.frames.len()
+            {
+                masks.to_mut().frames[frame.as_usize()].mask = mask;
             }
+            template::build(clip, &masks, &arms.0.union, edits.frame, landmarks, &params, watch)
+        })?;
+    let key = Key::new(Stage::Template, &[&key], &edits.placements.iter().collect::<Vec<_>>())?;
+    let kept = context.memory.and_then(|memory| memory.artifact::<Option<Arc<TemplateTrack>>>(Stage::Template, &key));
+    if let Some(placed) = kept {
+        return Ok((Option::clone(&placed), key));
+    }
+    let placed = Option::clone(&track).map(|track| Arc::new(with_placements(track, edits)));
+    if let Some(memory) = context.memory {
+        memory.keep(Stage::Template, &key, &Arc::new(placed.clone()));
+    }
+    Ok((placed, key))
+}
+
+/// The track with the placements that a person set.
+fn with_placements(mut track: TemplateTrack, edits: &TemplateEdits) -> TemplateTrack {
+    for (frame, transform) in &edits.placements {
+        if let Some(slot) = track.placements.get_mut(frame.as_usize()) {
+            let visible = slot.as_ref().map_or(1.0, |placement| placement.visible);
+            *slot = Some(template::Placement { transform: *transform, confidence: 1.0, visible });
         }
     }
-    let key = Key::new(Stage::Template, &[&key], &edits.placements.iter().collect::<Vec<_>>())?;
-    Ok((track.map(Arc::new), key))
+    track
 }
 
 /// What the background stage leaves: the frames on disk, the report in memory.
