@@ -1,6 +1,7 @@
 //! Robot description: loading, checks, the MuJoCo model, reduced coordinates.
 
 mod command;
+mod names;
 
 #[cfg(feature = "engine")]
 mod chain;
@@ -17,8 +18,6 @@ mod loft;
 #[cfg(feature = "engine")]
 mod model;
 #[cfg(feature = "engine")]
-mod names;
-#[cfg(feature = "engine")]
 mod reading;
 
 #[cfg(feature = "engine")]
@@ -34,5 +33,4 @@ pub use import::{ImportError, ImportedRobot, RobotReport, check, default_robot, 
 pub use limits::JointLimits;
 #[cfg(feature = "engine")]
 pub use model::{RobotAsset, RobotModel};
-#[cfg(feature = "engine")]
 pub use names::{FINGERS, actuated_joint_names, tip_site};

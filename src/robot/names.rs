@@ -19,6 +19,7 @@ const HAND_JOINTS: [&str; 6] = [
 
 /// Velocity limits in rad/s for descriptions that carry none (MJCF has no such attribute): arm, then hand, in
 /// the record's order of one side; numbers of the public Unitree and BrainCo descriptions.
+#[cfg(feature = "engine")]
 pub(super) const DEFAULT_VELOCITY: [f64; 13] =
     [37.0, 37.0, 37.0, 37.0, 37.0, 22.0, 22.0, 2.5303, 2.6175, 2.2685, 2.2685, 2.2685, 2.2685];
 
@@ -31,6 +32,7 @@ pub fn actuated_joint_names() -> [String; ACTUATED_DOF] {
 }
 
 /// The joint at a finger's base: the thumb's swing, another finger's proximal joint.
+#[cfg(feature = "engine")]
 pub(super) fn base_joint(side: Side, finger: usize) -> String {
     let part = if finger == 0 { "metacarpal" } else { "proximal" };
     format!("{}_{}_{part}_joint", side.name(), FINGERS[finger])

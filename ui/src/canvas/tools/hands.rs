@@ -7,6 +7,7 @@ use agenticfocus::{
     geometry::{Pixel, Side},
     hands::HandState,
     landmarks::{KEYPOINT_COUNT, keypoint},
+    robot::FINGERS,
     session::{Command, HandEdit},
 };
 use egui::{Align2, Color32, CursorIcon, PointerButton, Pos2, Stroke, vec2};
@@ -20,8 +21,6 @@ use crate::{action::Action, state::Context, theme::Tokens};
 
 /// Reach of a joint, points: its hit area is 12 points wide.
 const HIT: f32 = 6.0;
-/// Joints' names as an operator says them, by finger.
-const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "pinky"];
 
 /// A hand as it is shown.
 #[derive(Clone, Debug, PartialEq)]

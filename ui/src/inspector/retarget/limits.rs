@@ -4,20 +4,10 @@ use std::sync::LazyLock;
 
 use agenticfocus::{
     geometry::Side,
-    robot::{ACTUATED_DOF, ARM_DOF, ARM_JOINTS, HAND_ACTUATORS},
+    robot::{ARM_DOF, ARM_JOINTS, HAND_ACTUATORS, actuated_joint_names},
 };
 
 const KINEMATICS: &str = include_str!("../../../../assets/robots/g1_brainco/kinematics.xml");
-
-/// The joint behind each hand actuator, in the record's order.
-const HAND_JOINTS: [&str; 6] = [
-    "thumb_proximal",
-    "thumb_metacarpal",
-    "index_proximal",
-    "middle_proximal",
-    "ring_proximal",
-    "pinky_proximal",
-];
 
 /// A joint as it is offered and drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,28 +22,25 @@ pub(super) struct Joint {
     pub limits: Option<[f64; 2]>,
 }
 
-static JOINTS: LazyLock<Vec<Joint>> = LazyLock::new(|| (0..ACTUATED_DOF).map(joint).collect());
+static JOINTS: LazyLock<Vec<Joint>> = LazyLock::new(|| {
+    actuated_joint_names().iter().enumerate().map(|(index, description)| joint(index, description)).collect()
+});
 
 /// All joints in the record's order.
 pub(super) fn joints() -> &'static [Joint] {
     &JOINTS
 }
 
-fn joint(index: usize) -> Joint {
+fn joint(index: usize, description: &str) -> Joint {
     let hand = index >= ARM_DOF;
-    let (within, each) = if hand { (index - ARM_DOF, 6) } else { (index, 7) };
-    let side = if within < each { Side::Left } else { Side::Right };
-    let place = within % each;
-    let (name, description) = if hand {
-        (HAND_ACTUATORS[place], HAND_JOINTS[place])
-    } else {
-        (ARM_JOINTS[place], ARM_JOINTS[place])
-    };
-    let name = match name {
+    let (within, names): (usize, &[&str]) =
+        if hand { (index - ARM_DOF, &HAND_ACTUATORS) } else { (index, &ARM_JOINTS) };
+    let side = if within < names.len() { Side::Left } else { Side::Right };
+    let name = match names[within % names.len()] {
         "thumb_aux" => "thumb swing".to_owned(),
         name => name.replace('_', " "),
     };
-    Joint { name, side, index, limits: range_of(&format!("{}_{description}_joint", side.name())) }
+    Joint { name, side, index, limits: range_of(description) }
 }
 
 /// `range` of the element named `name`, degrees.
@@ -68,6 +55,8 @@ fn range_of(name: &str) -> Option<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use agenticfocus::robot::ACTUATED_DOF;
+
     use super::*;
 
     #[test]
