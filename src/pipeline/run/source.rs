@@ -41,7 +41,7 @@ fn clip_request(document: &Document) -> ClipRequest {
 fn describe(info: &ClipInfo, listener: &dyn Listener) {
     let seconds = info.frame_count() as f64 / clip::STANDARD_FPS;
     listener.note(&format!(
-        "{} {}, {:.2} FPS, {} frames → {} at 30 FPS ({seconds:.1} s)",
+        "{} {}, {:.2} FPS, {} frames, used as {} at 30 FPS ({seconds:.1} s)",
         info.size,
         info.codec,
         info.source_fps,

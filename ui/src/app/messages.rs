@@ -32,9 +32,8 @@ impl OperatorApp {
 
     /// Tells the operator how things go: it goes by itself.
     pub(super) fn mention(&mut self, text: &str) {
-        // The window's font has no arrow.
-        let text = text.replace(" → ", ", shown as ");
-        self.show_message(Message { text, until: Some(Instant::now() + NOTE_TIME) });
+        let until = Some(Instant::now() + NOTE_TIME);
+        self.show_message(Message { text: text.to_owned(), until });
     }
 
     fn show_message(&mut self, message: Message) {
