@@ -10,12 +10,14 @@ use agenticfocus::{
     robot::FINGERS,
     session::{Command, HandEdit},
 };
-use egui::{Align2, Color32, CursorIcon, PointerButton, Pos2, Stroke, vec2};
+use egui::{Align2, Color32, CursorIcon, Modifiers, Pos2, Stroke, vec2};
 
-use super::super::{
-    input::PointerEvent,
-    scene::Scene,
-    shapes::{self, LineStyle},
+use super::{
+    super::{
+        scene::Scene,
+        shapes::{self, LineStyle},
+    },
+    held::{Follow, Held},
 };
 use crate::{action::Action, state::Context, theme::Tokens};
 
@@ -34,7 +36,6 @@ struct ShownHand {
 
 #[derive(Clone, Debug)]
 struct Drag {
-    frame: FrameIndex,
     side: Side,
     joint: usize,
     /// All joints move together.
@@ -47,20 +48,17 @@ struct Drag {
 /// The tools of this step.
 #[derive(Debug, Default)]
 pub(in super::super) struct HandTools {
-    drag: Option<Drag>,
+    drag: Held<Drag>,
 }
 
 impl HandTools {
     /// Carries out what the pointer did and draws.
     pub fn show(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
-        if self.drag.as_ref().is_some_and(|drag| drag.frame != scene.frame) {
-            self.keep(scene, cx);
-        }
         let mut hands = hands_on(scene);
-        for event in &scene.events {
-            self.handle(*event, &hands, scene, cx);
+        for (frame, drag) in self.drag.follow(scene, |at, modifiers| grab(at, modifiers, &hands, scene, cx)) {
+            keep(frame, &drag, scene, cx);
         }
-        if let Some(drag) = &self.drag {
+        if let Some(drag) = self.drag.get() {
             for hand in hands.iter_mut().filter(|hand| hand.side == drag.side) {
                 hand.keypoints = drag.now;
             }
@@ -68,7 +66,7 @@ impl HandTools {
         if scene.hidden {
             return;
         }
-        let lit = self.drag.as_ref().map(|drag| (drag.side, drag.joint));
+        let lit = self.drag.get().map(|drag| (drag.side, drag.joint));
         let lit = lit.or_else(|| scene.hover.and_then(|at| joint_at(&hands, at, scene)));
         for hand in &hands {
             let lit = lit.filter(|(side, _)| *side == hand.side).map(|(_, joint)| joint);
@@ -79,54 +77,46 @@ impl HandTools {
         }
     }
 
-    fn handle(&mut self, event: PointerEvent, hands: &[ShownHand], scene: &Scene<'_>, cx: &mut Context<'_>) {
-        match event {
-            PointerEvent::Press { at, button: PointerButton::Primary, modifiers } if !scene.hidden => {
-                let Some((side, joint)) = joint_at(hands, at, scene) else { return };
-                cx.options.side = side;
-                cx.options.playing = false;
-                let before = hands.iter().find(|hand| hand.side == side).map(|hand| hand.keypoints);
-                if let Some(before) = before.filter(|_| scene.is_writable()) {
-                    let (frame, from, whole) = (scene.frame, scene.pixel(at), modifiers.shift);
-                    self.drag = Some(Drag { frame, side, joint, whole, from, before, now: before });
-                }
-            }
-            PointerEvent::Press { .. } => {}
-            PointerEvent::Move(at) => {
-                if let Some(drag) = &mut self.drag {
-                    drag.follow(scene.pixel(at));
-                }
-            }
-            PointerEvent::Release { button, .. } => {
-                if button == PointerButton::Primary {
-                    self.keep(scene, cx);
-                }
-            }
-        }
-    }
-
-    fn keep(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
-        let Some(drag) = self.drag.take().filter(|drag| drag.now != drag.before) else { return };
-        let edits = &scene.workspace.document().hand_edits[drag.side];
-        let mut keypoints: BTreeMap<u8, Pixel> =
-            edits.get(&drag.frame).map(|edit| edit.keypoints.clone()).unwrap_or_default();
-        for (joint, (now, before)) in drag.now.iter().zip(&drag.before).enumerate() {
-            if now != before {
-                keypoints.insert(joint as u8, *now);
-            }
-        }
-        // Who places a joint says that the hand is of use here.
-        let edit = Some(HandEdit { keypoints, invalid: false });
-        cx.ask(Action::Change(Command::SetHandEdit { frame: drag.frame, side: drag.side, edit }));
-    }
-
     /// Drops a drag; false when there was none.
     pub fn cancel(&mut self) -> bool {
-        self.drag.take().is_some()
+        self.drag.cancel()
     }
 }
 
-impl Drag {
+/// The joint under the pointer, to be dragged; with Shift the whole hand. Its side is the one commands mean then.
+fn grab(
+    at: Pos2,
+    modifiers: Modifiers,
+    hands: &[ShownHand],
+    scene: &Scene<'_>,
+    cx: &mut Context<'_>,
+) -> Option<Drag> {
+    let (side, joint) = joint_at(hands, at, scene)?;
+    cx.options.side = side;
+    cx.options.playing = false;
+    let before = hands.iter().find(|hand| hand.side == side).filter(|_| scene.is_writable())?.keypoints;
+    Some(Drag { side, joint, whole: modifiers.shift, from: scene.pixel(at), before, now: before })
+}
+
+/// The joints that were moved become the person's.
+fn keep(frame: FrameIndex, drag: &Drag, scene: &Scene<'_>, cx: &mut Context<'_>) {
+    if drag.now == drag.before {
+        return;
+    }
+    let edits = &scene.workspace.document().hand_edits[drag.side];
+    let mut keypoints: BTreeMap<u8, Pixel> =
+        edits.get(&frame).map(|edit| edit.keypoints.clone()).unwrap_or_default();
+    for (joint, (now, before)) in drag.now.iter().zip(&drag.before).enumerate() {
+        if now != before {
+            keypoints.insert(joint as u8, *now);
+        }
+    }
+    // Who places a joint says that the hand is of use here.
+    let edit = Some(HandEdit { keypoints, invalid: false });
+    cx.ask(Action::Change(Command::SetHandEdit { frame, side: drag.side, edit }));
+}
+
+impl Follow for Drag {
     fn follow(&mut self, to: Pixel) {
         let (dx, dy) = (to.x - self.from.x, to.y - self.from.y);
         if !(dx.is_finite() && dy.is_finite()) {

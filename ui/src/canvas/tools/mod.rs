@@ -2,6 +2,7 @@
 
 pub(super) mod composite;
 pub(super) mod hands;
+mod held;
 pub(super) mod masks;
 pub(super) mod object;
 mod placement;

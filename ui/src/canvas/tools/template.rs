@@ -3,16 +3,16 @@
 use std::sync::Arc;
 
 use agenticfocus::{clip::FrameIndex, geometry::Pixel, session::Command, template::TemplateTrack};
-use egui::{Color32, ColorImage, CursorIcon, Mesh, PointerButton, Pos2, Shape, Vec2, pos2, vec2};
+use egui::{Color32, ColorImage, CursorIcon, Mesh, Pos2, Shape, Vec2, pos2, vec2};
 use nalgebra::Matrix3;
 
 use super::{
     super::{
-        input::PointerEvent,
         scene::Scene,
         shapes::{self, LineStyle},
         texture::Texture,
     },
+    held::{Follow, Held},
     placement,
 };
 use crate::{action::Action, state::Context};
@@ -35,7 +35,6 @@ enum Grip {
 #[derive(Clone, Copy, Debug)]
 struct Drag {
     grip: Grip,
-    frame: FrameIndex,
     from: Pixel,
     /// The middle when the drag began.
     centre: Pixel,
@@ -48,7 +47,7 @@ struct Drag {
 pub(in super::super) struct TemplateTools {
     texture: Texture,
     shown: Option<(Arc<TemplateTrack>, [Pixel; 4])>,
-    drag: Option<Drag>,
+    drag: Held<Drag>,
 }
 
 /// Where the template lies on `frame`, and whether a person put it there.
@@ -67,14 +66,13 @@ impl TemplateTools {
     pub fn show(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
         let Some(template) = scene.workspace.found.template.clone() else { return };
         let corners = self.corners(&template, scene);
-        if self.drag.is_some_and(|drag| drag.frame != scene.frame) {
-            self.keep(cx);
-        }
-        for event in &scene.events {
-            self.handle(*event, &corners, scene, cx);
+        for (frame, drag) in self.drag.follow(scene, |at, _| grab(at, &corners, scene, cx)) {
+            if drag.now != drag.before {
+                cx.ask(Action::Change(Command::SetPlacement { frame, transform: Some(drag.now) }));
+            }
         }
         let by_hand = placed(scene, scene.frame);
-        let now = self.drag.map(|drag| (drag.now, true)).or(by_hand);
+        let now = self.drag.get().map(|drag| (drag.now, true)).or(by_hand);
         if let Some((transform, human)) = now.filter(|_| !scene.hidden) {
             self.draw(&transform, human, &corners, scene, cx);
         }
@@ -95,42 +93,9 @@ impl TemplateTools {
         corners
     }
 
-    fn handle(&mut self, event: PointerEvent, corners: &[Pixel; 4], scene: &Scene<'_>, cx: &mut Context<'_>) {
-        match event {
-            PointerEvent::Press { at, button: PointerButton::Primary, .. } if scene.is_writable() => {
-                let Some((before, _)) = placed(scene, scene.frame).filter(|_| !scene.hidden) else { return };
-                if let Some(grip) = grip_at(at, &before, corners, scene) {
-                    cx.options.playing = false;
-                    let centre = placement::apply(&before, placement::middle(corners));
-                    let (frame, from) = (scene.frame, scene.pixel(at));
-                    self.drag = Some(Drag { grip, frame, from, centre, before, now: before });
-                }
-            }
-            PointerEvent::Press { .. } => {}
-            PointerEvent::Move(at) => {
-                if let Some(drag) = &mut self.drag {
-                    drag.follow(scene.pixel(at));
-                }
-            }
-            PointerEvent::Release { button, .. } => {
-                if button == PointerButton::Primary {
-                    self.keep(cx);
-                }
-            }
-        }
-    }
-
-    fn keep(&mut self, cx: &mut Context<'_>) {
-        if let Some(drag) = self.drag.take()
-            && drag.now != drag.before
-        {
-            cx.ask(Action::Change(Command::SetPlacement { frame: drag.frame, transform: Some(drag.now) }));
-        }
-    }
-
     /// Drops a drag; false when there was none.
     pub fn cancel(&mut self) -> bool {
-        self.drag.take().is_some()
+        self.drag.cancel()
     }
 
     fn draw(
@@ -156,7 +121,7 @@ impl TemplateTools {
         shapes::rimmed_line(&scene.painter, &on_screen, true, style);
         if scene.is_writable() {
             let hovered = scene.hover.and_then(|at| grip_at(at, transform, corners, scene));
-            let grip = self.drag.map(|drag| drag.grip).or(hovered);
+            let grip = self.drag.get().map(|drag| drag.grip).or(hovered);
             let (top, end) = stem(&on_screen);
             shapes::rimmed_line(&scene.painter, &[top, end], false, LineStyle::solid(1.5, style.colour));
             let radius = if grip == Some(Grip::Turn) { 7.0 } else { 5.0 };
@@ -175,7 +140,16 @@ impl TemplateTools {
     }
 }
 
-impl Drag {
+/// The placement, held by what is under the pointer.
+fn grab(at: Pos2, corners: &[Pixel; 4], scene: &Scene<'_>, cx: &mut Context<'_>) -> Option<Drag> {
+    let (before, _) = placed(scene, scene.frame).filter(|_| scene.is_writable())?;
+    let grip = grip_at(at, &before, corners, scene)?;
+    cx.options.playing = false;
+    let centre = placement::apply(&before, placement::middle(corners));
+    Some(Drag { grip, from: scene.pixel(at), centre, before, now: before })
+}
+
+impl Follow for Drag {
     fn follow(&mut self, to: Pixel) {
         let (from, to) = ((self.from.x - self.centre.x, self.from.y - self.centre.y), (to.x, to.y));
         let rel = (to.0 - self.centre.x, to.1 - self.centre.y);
