@@ -15,8 +15,8 @@ use std::{
 use agenticfocus::{
     clip::FrameIndex,
     engine::{
-        Change, Engine, Event, Finding, LocalEngine, Opened, PictureKind, PictureRequest, Request,
-        Revision, SaveState, Shown,
+        Change, Engine, Event, Finding, LocalEngine, Opened, PictureKind, PictureRequest, Request, Revision,
+        SaveState, Shown,
     },
     pipeline::Installation,
     session::{Author, Command, Document, Entry, RetargetSettings},
@@ -112,6 +112,27 @@ impl LayersOf for Shown {
     }
 }
 
+/// What was shown is what the export kept, pixel for pixel, the absent object included.
+fn assert_layers(shown: &agenticfocus::engine::Layers, kept: &Path, name: &str) {
+    let file = |layer: &str| kept.join(layer).join(name);
+    let pixels = |layer: &str| {
+        let reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(file(layer)).unwrap()));
+        let mut reader = reader.read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        pixels
+    };
+    let same = |layer: &str, data: &[u8]| assert!(pixels(layer) == data, "{layer} of {name} differs");
+    same("composite", shown.composite.data());
+    same("background", shown.background.data());
+    same("robot", shown.robot.data());
+    same("front", shown.front.data());
+    match &shown.object {
+        Some(object) => same("object", object.data()),
+        None => assert!(!file("object").exists()),
+    }
+}
+
 fn manifest_in(folder: &Path) -> PathBuf {
     support::episode(folder);
     support::manifest(folder, &["clip"], "")
@@ -130,7 +151,7 @@ fn a_session_worked_on_through_the_engine_exports_what_the_batch_exports() {
     });
     assert_eq!(items.len(), 1);
     operator.wait(|event| match event {
-        Event::QueueThumbnail { item, .. } => Some(assert_eq!(item, items[0].path)),
+        Event::QueueThumbnail { item, .. } => (item == items[0].path).then_some(()),
         _ => None,
     });
     let mut opened = operator.open(&items[0].path);
@@ -157,6 +178,7 @@ fn a_session_worked_on_through_the_engine_exports_what_the_batch_exports() {
     assert_ne!(before.composite, after.composite);
     assert_eq!(before.background, after.background);
 
+    let previews: Vec<_> = (0..20).map(|frame| operator.composite(frame, 2)).collect();
     operator.engine.send(Request::Export);
     let exported = operator.wait(|event| match event {
         Event::Exported(result) => Some(result.unwrap()),
@@ -177,6 +199,15 @@ fn a_session_worked_on_through_the_engine_exports_what_the_batch_exports() {
             fs::read(exported.join(&name)).unwrap() == fs::read(batch.join("clip").join(&name)).unwrap();
         assert!(same, "{} differs", name.display());
     }
+
+    // With its layers it is made again, as the preview showed it.
+    let run = program::batch(&[&opened.folder], &batch, &["--layers"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    for (frame, layers) in previews.iter().enumerate() {
+        assert_layers(layers, &batch.join("clip/layers"), &format!("{frame:06}.png"));
+    }
+    let video = |folder: &Path| fs::read(folder.join("composite.mp4")).unwrap();
+    assert!(video(&exported) == video(&batch.join("clip")));
 }
 
 #[test]
@@ -234,10 +265,9 @@ fn what_cannot_be_opened_is_said_and_the_engine_lives_on() {
     let text = folder.path().join("text.mp4");
     fs::write(&text, b"no video").unwrap();
     let opened = operator.open(&text);
-    operator.engine.send(Request::Work {
-        document: Arc::new(opened.history.document().clone()),
-        revision: Revision(1),
-    });
+    operator
+        .engine
+        .send(Request::Work { document: Arc::new(opened.history.document().clone()), revision: Revision(1) });
     let end = Instant::now() + Duration::from_secs(30);
     let failure = loop {
         match operator.engine.poll() {

@@ -60,6 +60,7 @@ Manifest (TOML; JSON Lines takes the same keys, one clip a line):
 
 Output, one folder a clip:
   composite.mp4  record.npz  record.json  report.json  template.png  masks/  crops/  debug/
+  with --layers also layers/{background,robot,object,front,composite}/, a PNG a frame
   done.json or failed.json, written last; a session beside it, CLIP_ID.afs
 
 A killed run is started again with the same line: what is done is not done again, and the bytes are
@@ -85,6 +86,9 @@ pub(super) struct BatchArguments {
     /// Process only shard I of N, chosen by the hash of each clip's id
     #[arg(long, value_name = "I/N")]
     pub(super) shard: Option<Shard>,
+    /// Write every frame's layers too, without loss, as pictures in layers/
+    #[arg(long, requires = "batch")]
+    pub(super) layers: bool,
     /// Print a JSON summary to standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -144,6 +148,9 @@ pub(super) enum Verb {
         /// Keep decoded frames and the background in the session's cache
         #[arg(long)]
         keep_frames: bool,
+        /// Write every frame's layers without loss
+        #[arg(long)]
+        layers: bool,
         /// The batch's output folder
         out: PathBuf,
     },

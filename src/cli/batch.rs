@@ -20,7 +20,10 @@ pub(super) fn run(arguments: &BatchArguments) -> Outcome {
     let jobs = jobs_from_inputs(&arguments.batch).map_err(|error| Failure::new(ExitCode::Usage, error))?;
     let shard = arguments.shard.unwrap_or_default();
     let jobs: Vec<ClipJob> = jobs.into_iter().filter(|job| shard.contains(&job.id)).collect();
-    let summary = run_jobs(&jobs, out, usize::from(arguments.jobs))?;
+    let at_a_time = usize::from(arguments.jobs);
+    let mut worker = worker_arguments(at_a_time.min(jobs.len()));
+    worker.extend(arguments.layers.then(|| "--layers".to_owned()));
+    let summary = run_jobs(&jobs, out, worker, at_a_time)?;
     if arguments.json {
         let text = serde_json::to_string_pretty(&summary)
             .map_err(|error| Failure::new(ExitCode::Internal, error))?;
@@ -33,10 +36,14 @@ pub(super) fn run(arguments: &BatchArguments) -> Outcome {
 }
 
 /// Runs `jobs` in worker processes of this very program, with progress on standard error.
-pub(super) fn run_jobs(jobs: &[ClipJob], out: PathBuf, at_a_time: usize) -> Result<BatchSummary, Failure> {
+pub(super) fn run_jobs(
+    jobs: &[ClipJob],
+    out: PathBuf,
+    worker_arguments: Vec<String>,
+    at_a_time: usize,
+) -> Result<BatchSummary, Failure> {
     let cancel = cancel_on_signals()?;
     let worker = std::env::current_exe()?;
-    let worker_arguments = worker_arguments(at_a_time.min(jobs.len()));
     let options = BatchOptions { out, jobs: at_a_time, worker, worker_arguments };
     let progress = BatchProgress::new();
     Ok(run_batch(jobs, &options, &cancel, &|event| progress.hear(&event))?)

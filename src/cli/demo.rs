@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{
     Failure, Outcome,
-    batch::{cancel_on_signals, run_jobs},
+    batch::{cancel_on_signals, run_jobs, worker_arguments},
     progress::SimpleProgress,
 };
 use crate::{
@@ -25,7 +25,7 @@ pub(super) fn run(out: &Path, seed: u64, frames: Option<u32>) -> Outcome {
     let episode = Episode::load(&folder).map_err(|error| Failure::from_error(&error))?;
     let job = episode_job(&episode, "episode").map_err(|error| Failure::from_error(&error))?;
     println!("running the pipeline on it");
-    let summary = run_jobs(&[job], out.to_owned(), 1)?;
+    let summary = run_jobs(&[job], out.to_owned(), worker_arguments(1), 1)?;
     if summary.exit == ExitCode::Done {
         let result = out.join("episode");
         println!("\nthe demonstration is in {}:", result.display());

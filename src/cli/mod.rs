@@ -16,7 +16,7 @@ use std::process::ExitCode as ProcessExit;
 
 use clap::Parser as _;
 
-use crate::pipeline::ExitCode;
+use crate::pipeline::{ExitCode, RunOptions};
 use args::{Arguments, Verb};
 
 /// What a subcommand comes back with: an exit code, or a line for standard error and its code.
@@ -78,7 +78,9 @@ fn dispatch(arguments: Arguments) -> Outcome {
         Some(Verb::Bench(arguments)) => bench::run(&arguments),
         Some(Verb::Robot { verb }) => robot::run(&verb),
         Some(Verb::Ui { input }) => ui::run(input.as_deref()),
-        Some(Verb::ClipWorker { threads, keep_frames, out }) => worker::run(&out, threads, keep_frames),
+        Some(Verb::ClipWorker { threads, keep_frames, layers, out }) => {
+            worker::run(&out, threads, RunOptions { keep_frames, layers })
+        }
         Some(Verb::Doctor { json }) => doctor::run(json),
         Some(Verb::Status { out, json }) => status::run(&out, json),
         None => batch::run(&batch),

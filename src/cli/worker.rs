@@ -8,12 +8,12 @@ use std::{
 
 use super::{Failure, Outcome, batch::cancel_on_signals};
 use crate::pipeline::{
-    ClipFailure, ClipJob, ExitCode, Installation, Listener, Stage,
+    ClipFailure, ClipJob, ExitCode, Installation, Listener, RunOptions, Stage,
     batch::{ClipOutcome, WorkerMessage, write_failure},
     run_clip,
 };
 
-pub(super) fn run(out: &Path, threads: usize, keep_frames: bool) -> Outcome {
+pub(super) fn run(out: &Path, threads: usize, options: RunOptions) -> Outcome {
     // Without its batch nobody would hear the result: end with it.
     rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))
         .map_err(std::io::Error::from)?;
@@ -26,7 +26,7 @@ pub(super) fn run(out: &Path, threads: usize, keep_frames: bool) -> Outcome {
     let job: ClipJob = serde_json::from_slice(&text).map_err(|error| Failure::new(ExitCode::Usage, error))?;
     let cancel = cancel_on_signals()?;
     let speaker = Speaker { out: Mutex::new(std::io::stdout()) };
-    let result = run_clip(&job, out, &Installation::locate(), keep_frames, &speaker, &cancel);
+    let result = run_clip(&job, out, &Installation::locate(), options, &speaker, &cancel);
     let (outcome, skipped) = match result {
         Ok(run) => (run.outcome, run.skipped),
         Err(failure) => (failed(&job, out, failure)?, false),

@@ -72,6 +72,17 @@ impl ClipFolder {
         self.temporary.join(format!("crops/{:06}.png", frame.0))
     }
 
+    /// `layers/{layer}/{frame:06}.png`; their folders are made where layers are wanted.
+    ///
+    /// # Errors
+    /// When the folder cannot be made.
+    pub fn layer_file(&self, layer: &str, frame: crate::clip::FrameIndex) -> Result<PathBuf, ExportError> {
+        let folder = self.temporary.join("layers").join(layer);
+        fs::create_dir_all(&folder)
+            .map_err(|source| ExportError::io(&folder, "create the folder", source))?;
+        Ok(folder.join(format!("{:06}.png", frame.0)))
+    }
+
     /// Writes `done.json`, flushes everything to disk and puts the folder in its place, replacing
     /// an older one. Returns the final path.
     ///

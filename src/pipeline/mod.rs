@@ -26,9 +26,11 @@ pub use manifest::{
 };
 pub use memory::Memory;
 pub use reporter::Listener;
-pub use run::{Background, ClipRun, Understood, run_clip, shown_arms, understand_clip, understand_document};
+pub use run::{
+    Background, ClipRun, RunOptions, Understood, run_clip, shown_arms, understand_clip, understand_document,
+};
 pub(crate) use run::{
-    Evidence, FramePixels, LayerPlan, compose_frame, layer_evidence, open_session, plan_layers, render_robot,
-    robot_renderer,
+    Evidence, FramePixels, LayerPlan, compose_frame, layer_evidence, layers_of, open_session, plan_layers,
+    render_robot, robot_renderer,
 };
 pub use stage::Stage;

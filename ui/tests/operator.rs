@@ -15,7 +15,7 @@ use std::{
 use agenticfocus::{
     clip::FrameIndex,
     engine::LocalEngine,
-    pipeline::{Installation, Listener, Stage, jobs_from_inputs, run_clip},
+    pipeline::{Installation, Listener, RunOptions, Stage, jobs_from_inputs, run_clip},
     session::{Author, ReviewState, Session, Step},
 };
 use agenticfocus_ui::{
@@ -155,7 +155,8 @@ fn an_operator_goes_from_the_queue_to_the_export_by_keys_and_labels() {
     assert_eq!(*kept.document(), shown);
     let batch = folder.path().join("batch");
     let job = jobs_from_inputs(&[session]).unwrap().remove(0);
-    run_clip(&job, &batch, &Installation::locate(), true, &Quiet, &AtomicBool::new(false)).unwrap();
+    run_clip(&job, &batch, &Installation::locate(), RunOptions::default(), &Quiet, &AtomicBool::new(false))
+        .unwrap();
     let names = episode::files(&exported);
     assert_eq!(names, episode::files(&batch.join("clip")));
     for name in names.iter().filter(|name| *name != Path::new("report.json")) {

@@ -13,7 +13,7 @@ use std::{
 use super::{listener::seconds_left, panic_text, scene::Shared, worker::told};
 use crate::{
     engine::{Event, WorkFailure},
-    pipeline::{ClipFailure, ClipJob, ExitCode, Listener, Stage, run_clip},
+    pipeline::{ClipFailure, ClipJob, ExitCode, Listener, RunOptions, Stage, run_clip},
     session::Session,
 };
 
@@ -61,8 +61,10 @@ fn export(shared: &Shared, job: &ClipJob, folder: &Path) -> Result<PathBuf, Opti
     let out = folder.parent().map_or_else(|| shared.out.clone(), Path::to_owned);
     let listener = ExportListener { shared, began: Instant::now() };
     let cancel: &AtomicBool = &shared.export_cancel;
+    // The window goes on with this session: what was decoded stays.
+    let options = RunOptions { keep_frames: true, ..RunOptions::default() };
     let run = catch_unwind(AssertUnwindSafe(|| {
-        run_clip(&job, &out, &shared.installation, true, &listener, cancel)
+        run_clip(&job, &out, &shared.installation, options, &listener, cancel)
     }));
     let run = run.unwrap_or_else(|panic| {
         Err(ClipFailure { stage: None, exit: ExitCode::Internal, message: panic_text(&*panic) })

@@ -11,11 +11,11 @@ use super::{
 };
 use crate::{
     clip::{FrameIndex, FrameSource, StandardClip},
-    composite::{Compositor, front_layer},
+    composite::Compositor,
     engine::{Event, Layers, OrbitCamera, PictureKind, PictureRequest, Shown},
     geometry::Size,
     image::Rgb8,
-    pipeline::{FramePixels, compose_frame, render_robot, robot_renderer},
+    pipeline::{FramePixels, compose_frame, layers_of, render_robot, robot_renderer},
     progress::Unwatched,
     render::{OrbitRenderer, RobotRenderer},
     robot::RobotModel,
@@ -121,15 +121,7 @@ fn layers(studio: &mut Studio, scene: &Scene, frame: FrameIndex) -> Result<Layer
     let robot = render_robot(renderer, found, &scene.plan, frame).map_err(|failure| failure.message)?;
     let composed = compose_frame(&Compositor::default(), found, &scene.plan, frame, &pixels, &robot)
         .map_err(|failure| failure.message)?;
-    let size = pixels.source.size();
-    let front = front_layer(&robot, &scene.plan.order[frame.as_usize()]);
-    Ok(Layers {
-        composite: composed.picture,
-        background: pixels.background,
-        object: composed.object.map(|object| object.to_rgba(size)),
-        front,
-        robot: robot.full,
-    })
+    Ok(layers_of(pixels.background, robot, composed, &scene.plan.order[frame.as_usize()]))
 }
 
 fn orbit(

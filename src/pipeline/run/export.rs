@@ -13,7 +13,7 @@ use super::{
     Understood,
     context::Context,
     frame::{self, FramePixels},
-    joined,
+    joined, layer_files,
     layers::{LayerPlan, layer_evidence, plan_layers},
     pixels::{self, next_frame},
     report::{backends, report},
@@ -35,6 +35,8 @@ use crate::{
 pub(super) struct Parts<'a> {
     pub(super) found: &'a Understood,
     pub(super) outcome: &'a ClipOutcome,
+    /// Every frame's layers too, without loss.
+    pub(super) layers: bool,
 }
 
 impl std::ops::Deref for Parts<'_> {
@@ -58,16 +60,10 @@ impl From<ExportError> for ClipFailure {
 }
 
 /// Writes the clip's folder and publishes it when it is whole.
-pub(super) fn write(
-    context: &Context<'_>,
-    out: &Path,
-    found: &Understood,
-    outcome: &ClipOutcome,
-) -> Result<(), ClipFailure> {
-    let parts = &Parts { found, outcome };
+pub(super) fn write(context: &Context<'_>, out: &Path, parts: &Parts<'_>) -> Result<(), ClipFailure> {
     let folder = context.stage(Stage::Export, |watch| {
         let folder = ClipFolder::create(out, &parts.outcome.id)?;
-        let plan = plan_layers(&context.document, found, &layer_evidence(found)?);
+        let plan = plan_layers(&context.document, parts, &layer_evidence(parts)?);
         thread::scope(|scope| {
             let (send, receive) = sync_channel(RENDERED_AHEAD);
             let renderer = scope.spawn(|| render_all(parts, &plan, send, watch));
@@ -135,6 +131,11 @@ fn compose_all(
         let composed = frame::compose_frame(&compositor, parts, plan, index, &pixels, &robot)?;
         composite.push(&composed.picture)?;
         layers_video.push(&stills::layers_picture(&pixels.background, &robot, &composed)?)?;
+        if parts.layers {
+            let order = &plan.order[index.as_usize()];
+            let layers = frame::layers_of(pixels.background.clone(), robot, composed, order);
+            layer_files::write(folder, index, &layers)?;
+        }
     }
     composite.finish()?;
     layers_video.finish()?;

@@ -3,7 +3,8 @@
 use super::{Understood, layers::LayerPlan};
 use crate::{
     clip::FrameIndex,
-    composite::{Composite, Compositor, FrameLayers, ObjectEvidence},
+    composite::{Composite, Compositor, FrameLayers, LayerDecision, ObjectEvidence, front_layer},
+    engine::Layers,
     image::Rgb8,
     pipeline::{ClipFailure, ExitCode},
     render::{LayerRequest, RobotLayers, RobotRenderParams, RobotRenderer},
@@ -65,4 +66,21 @@ pub(crate) fn compose_frame(
         order: plan.order[index.as_usize()],
     };
     compositor.compose(&layers).map_err(|error| failed(&error))
+}
+
+/// The finished frame and what it is made of: what the preview shows and what an export can keep.
+pub(crate) fn layers_of(
+    background: Rgb8,
+    robot: RobotLayers,
+    composed: Composite,
+    order: &LayerDecision,
+) -> Layers {
+    let size = background.size();
+    Layers {
+        composite: composed.picture,
+        object: composed.object.map(|object| object.to_rgba(size)),
+        front: front_layer(&robot, order),
+        robot: robot.full,
+        background,
+    }
 }

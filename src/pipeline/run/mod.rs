@@ -4,6 +4,7 @@ mod context;
 mod edits;
 mod export;
 mod frame;
+mod layer_files;
 mod layers;
 mod move_robot;
 mod pixels;
@@ -36,12 +37,22 @@ use crate::{
     template::TemplateTrack,
 };
 use context::Context;
+use export::Parts;
 
-pub(crate) use frame::{FramePixels, compose_frame, render_robot, robot_renderer};
+pub(crate) use frame::{FramePixels, compose_frame, layers_of, render_robot, robot_renderer};
 pub use layers::shown_arms;
 pub(crate) use layers::{Evidence, LayerPlan, layer_evidence, plan_layers};
 pub(crate) use prepare::open_session;
 pub use understand::Background;
+
+/// What a run of one clip leaves beside its results.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunOptions {
+    /// The decoded clip and the background stay in the session's cache, which is large (default: no).
+    pub keep_frames: bool,
+    /// Every frame's layers are written without loss, as pictures in `layers/` (default: no).
+    pub layers: bool,
+}
 
 /// How a run of one clip ended.
 #[derive(Debug)]
@@ -119,29 +130,31 @@ fn new_context<'a>(
 ///
 /// # Errors
 /// The stage, the class and one line. Nothing half-made is left in `out/ID/`; finished stages stay in the
-/// session's cache, so that the next run goes on from there. `keep_frames` also keeps the decoded clip and the
-/// background there, which are large.
+/// session's cache, so that the next run goes on from there.
 pub fn run_clip(
     job: &ClipJob,
     out: &Path,
     installation: &Installation,
-    keep_frames: bool,
+    options: RunOptions,
     listener: &dyn Listener,
     cancel: &AtomicBool,
 ) -> Result<ClipRun, ClipFailure> {
     let mut session = prepare::open_session(job, out, listener)?;
-    let inputs = inputs_key(job, &session, installation, cancel, listener)?;
+    let mut inputs = inputs_key(job, &session, installation, cancel, listener)?;
+    if options.layers {
+        inputs = Key::new(Stage::Export, &[&inputs], &"layers")?;
+    }
     if let ClipState::Done(outcome) = read_outcome(&out.join(&job.id))?
         && outcome.inputs == inputs.as_str()
     {
         return Ok(ClipRun { outcome, skipped: true });
     }
     let mut context = new_context(&session, installation, listener, cancel)?;
-    let outcome = work(job, out, &mut context, &mut session, &inputs)?;
+    let outcome = work(job, (out, options), &mut context, &mut session, &inputs)?;
     if session.is_writable() {
         session.save_snapshot()?;
     }
-    if !keep_frames {
+    if !options.keep_frames {
         clear_frame_stores(&context.cache);
     }
     Ok(ClipRun { outcome, skipped: false })
@@ -174,7 +187,7 @@ pub struct Understood {
 
 fn work(
     job: &ClipJob,
-    out: &Path,
+    (out, options): (&Path, RunOptions),
     context: &mut Context<'_>,
     session: &mut Session,
     inputs: &Key,
@@ -190,7 +203,7 @@ fn work(
         frames: Some(found.clip.frame_count()),
         flags: clip_flags(context, &found),
     };
-    export::write(context, out, &found, &outcome)?;
+    export::write(context, out, &Parts { found: &found, outcome: &outcome, layers: options.layers })?;
     Ok(outcome)
 }
 
