@@ -6,7 +6,7 @@ use std::{fs, path::PathBuf};
 use agenticfocus::{
     clip::{CameraSpec, Rotation},
     pipeline::{ClipJob, jobs_from_inputs},
-    retarget::{Beta, CameraRotation},
+    retarget::{Beta, CameraRotation, Smoothing, WristTurn},
 };
 
 fn jobs(name: &str, text: &str) -> Result<Vec<ClipJob>, String> {
@@ -25,7 +25,7 @@ rotate = 180
 object = { label = "block T", frame = 3, box = [920, 214, 1026, 320] }
 camera = { hfov_deg = 60.0 }
 hands = { track = "hands.npz", length_mm = 180 }
-params = { beta = "fit", alpha = 0.4, T_offset = [0.05, 0.0, 0.43], R_cam = { pitch_deg = 30.0 } }
+params = { beta = "fit", alpha = 0.4, T_offset = [0.05, 0.0, 0.43], R_cam = { pitch_deg = 30.0 }, smoothing = "ema", wrist = { right = { yaw_deg = -6.0 } } }
 start = 1.0
 end = 2.5
 "#;
@@ -46,6 +46,9 @@ fn every_key_of_the_schema_arrives_in_the_document() {
     assert_eq!(document.retarget.beta, Some(Beta::Fit));
     assert_eq!(document.retarget.alpha, Some(0.4));
     assert_eq!(document.retarget.hand_length, Some(0.18));
+    assert_eq!(document.retarget.smoothing, Some(Smoothing::Ema));
+    let wrist = document.retarget.wrist;
+    assert_eq!((wrist.left, wrist.right.degrees()), (WristTurn::default(), [0.0, 0.0, -6.0]));
     let Some(CameraRotation::Angles(angles)) = document.retarget.camera_rotation else {
         panic!("angles expected")
     };
@@ -86,6 +89,8 @@ fn values_that_make_no_sense_are_refused_by_clip() {
         ("start = 3.0\nend = 2.0", "start"),
         ("params = { alpha = 0.0 }", "alpha"),
         ("params = { beta = \"big\" }", "beta"),
+        ("params = { wrist = { left = { roll_deg = 200.0 } } }", "wrist"),
+        ("params = { wrist = { roll_deg = 2.0 } }", "roll_deg"),
         ("params = { R_cam = [[1.0,0.0,0.0],[0.0,1.0,0.0],[0.0,0.0,2.0]] }", "R_cam"),
         ("object = { label = \"x\" }", "object"),
         ("id = \"../up\"", "../up"),

@@ -7,7 +7,7 @@ use agenticfocus::{
     hands::{HandFrame, HandState, HandTrack},
     landmarks::keypoint::{TIPS, WRIST},
     progress::Unwatched,
-    retarget::{Beta, RetargetParams, RobotMotion, Smoothing, retarget},
+    retarget::{Beta, RetargetParams, RobotMotion, Smoothing, WristTurn, retarget},
     robot::RobotModel,
 };
 use nalgebra::{Rotation3, Vector3};
@@ -238,6 +238,32 @@ fn the_published_average_lags_and_the_zero_phase_form_does_not() {
     };
     let (published, zero_phase) = (mean_error(Smoothing::Ema), mean_error(Smoothing::ZeroPhase));
     assert!(published > 2e-3 && zero_phase < 1e-4, "{published} {zero_phase}");
+}
+
+#[test]
+fn a_corrected_wrist_turns_the_whole_hand_about_its_place_and_leaves_the_other_alone() {
+    let track = synthetic(60);
+    let beta = Beta::Fixed(0.8);
+    let (_, straight) = run(&track, &RetargetParams { beta, ..Default::default() });
+    let right = WristTurn { pitch_deg: 12.0, ..WristTurn::default() };
+    let wrist = PerSide { left: WristTurn::default(), right };
+    let (_, turned) = run(&track, &RetargetParams { beta, wrist, ..Default::default() });
+    assert_eq!(straight.sides.left, turned.sides.left);
+    for (before, after) in straight.sides.right.iter().zip(&turned.sides.right) {
+        assert_eq!(before.target.position(), after.target.position());
+        let own = before.target.rotation().inverse() * after.target.rotation();
+        assert!(own.angle_to(&right.rotation()) < 1e-9);
+        // The fingertips go with the hand, not back to where they were in space.
+        let tip = |report: &agenticfocus::retarget::SideReport| {
+            report.reached.rotation().inverse() * (report.fingertips[2].xyz - report.reached.position().xyz)
+        };
+        assert!((tip(before) - tip(after)).norm() < 0.012, "{} {}", tip(before), tip(after));
+    }
+    let mean = |motion: &RobotMotion| {
+        let turns = motion.sides.right.iter().map(|report| report.error_rotation);
+        turns.sum::<f64>() / motion.sides.right.len() as f64
+    };
+    assert!(mean(&turned) < mean(&straight) + 0.05, "{} {}", mean(&turned), mean(&straight));
 }
 
 fn shared(path: &str) -> Option<String> {

@@ -55,6 +55,8 @@ Manifest (TOML; JSON Lines takes the same keys, one clip a line):
   camera = { fx = 248.8, fy = 248.8, cx = 228.0, cy = 128.0 }     or { hfov_deg = 60.0 }
   hands = { track = \"hands.npz\", length_mm = 187 }
   params = { beta = \"fit\", alpha = 0.5, T_offset = [0.0576, 0.0, 0.4299], R_cam = { pitch_deg = 47.6 } }
+                                  also smoothing = \"zero_phase\", \"ema\" or \"none\", and
+                                  wrist = { right = { roll_deg = 2.0, pitch_deg = -3.0, yaw_deg = 0.0 } }
   start = 1.0                     seconds
   end = 9.5
 

@@ -9,7 +9,8 @@ use serde::Deserialize;
 
 use crate::{
     clip::{CameraSpec, Rotation},
-    retarget::{Beta, CameraAngles, CameraRotation},
+    geometry::PerSide,
+    retarget::{Beta, CameraAngles, CameraRotation, Smoothing, WristTurn},
     session::RetargetSettings,
 };
 
@@ -90,16 +91,27 @@ pub struct ManifestHands {
     pub length_mm: Option<f64>,
 }
 
-/// `params = { beta, alpha, T_offset, R_cam }`.
+/// `params = { beta, alpha, smoothing, T_offset, R_cam, wrist }`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ManifestParams {
     beta: Option<ManifestBeta>,
     alpha: Option<f64>,
+    smoothing: Option<Smoothing>,
+    #[serde(default)]
+    wrist: ManifestWrists,
     #[serde(rename = "T_offset")]
     offset: Option<[f64; 3]>,
     #[serde(rename = "R_cam")]
     rotation: Option<ManifestRotation>,
+}
+
+/// `wrist = { left, right }`, each `{ roll_deg, pitch_deg, yaw_deg }`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct ManifestWrists {
+    left: WristTurn,
+    right: WristTurn,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -216,6 +228,8 @@ pub(super) fn retarget_settings(clip: &ManifestClip) -> RetargetSettings {
             ManifestBeta::Word(Fit::Fit) => Beta::Fit,
         }),
         alpha: params.alpha,
+        smoothing: params.smoothing,
+        wrist: PerSide { left: params.wrist.left, right: params.wrist.right },
         camera_rotation: params.rotation.map(|rotation| match rotation {
             ManifestRotation::Angles(angles) => CameraRotation::Angles(angles),
             ManifestRotation::Rows(rows) => CameraRotation::Rows(rows),

@@ -88,7 +88,7 @@ pub(super) fn reach(
     for (side, track) in tracks.iter() {
         let Some(size) = &track.size else { continue };
         let mut solver = SideSolver::new(robot, side, params.weights);
-        let side_map = SideMap::new(farther, robot.chain(side), size);
+        let side_map = SideMap::new(farther, robot.chain(side), size, &params.wrist[side]);
         let poses: Vec<&HumanPose> = track.poses.iter().flatten().collect();
         let mut warm = solver.comfortable();
         for pose in poses.iter().step_by(poses.len().div_ceil(SAMPLES).max(1)) {

@@ -32,6 +32,7 @@ mod target;
 mod track;
 #[cfg(feature = "engine")]
 mod view;
+mod wrist;
 
 #[cfg(feature = "engine")]
 pub use beta::reachable_share_of;
@@ -42,3 +43,4 @@ pub use params::{Beta, CameraAngles, CameraRotation, Cutoff, Pinch, RetargetPara
 pub use score::{IkScore, score_ik};
 #[cfg(feature = "engine")]
 pub use stage::retarget;
+pub use wrist::WristTurn;

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{CameraMap, RetargetError};
+use super::{CameraMap, RetargetError, WristTurn};
+use crate::geometry::PerSide;
 
 /// Parameters of [`super::retarget`]; every field has a default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,6 +20,8 @@ pub struct RetargetParams {
     /// The virtual camera in `torso_link`, metres.
     #[serde(rename = "T_offset")]
     pub offset: Vector3<f64>,
+    /// A person's correction of each wrist.
+    pub wrist: PerSide<WristTurn>,
     /// α of `q_t = α q̂_t + (1−α) q_{t−1}`, above 0 and up to 1 (no smoothing).
     pub alpha: f64,
     /// How α is applied.
@@ -42,6 +45,7 @@ impl Default for RetargetParams {
             beta_reach: 0.95,
             camera: CameraRotation::default(),
             offset: Vector3::new(0.0576, 0.0, 0.4299),
+            wrist: PerSide::default(),
             alpha: 0.5,
             smoothing: Smoothing::ZeroPhase,
             cutoff: Cutoff::default(),
@@ -251,6 +255,11 @@ impl RetargetParams {
         require("beta_reach", self.beta_reach, share, "a share between 0 and 1")?;
         for value in self.offset.iter() {
             require("T_offset", *value, value.is_finite(), "three finite numbers, metres")?;
+        }
+        for (_, turn) in self.wrist.iter() {
+            for value in turn.degrees() {
+                require("wrist", value, value.is_finite(), "finite degrees")?;
+            }
         }
         require("alpha", self.alpha, self.alpha > 0.0 && self.alpha <= 1.0, "above 0 and at most 1")?;
         let positive = [

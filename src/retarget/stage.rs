@@ -126,7 +126,7 @@ impl SideWork<'_> {
     fn targets(&self) -> Vec<Option<SideTarget>> {
         let mut targets = vec![None; self.track.poses.len()];
         let Some(size) = &self.track.size else { return targets };
-        let map = SideMap::new(self.map, self.robot.chain(self.side), size);
+        let map = SideMap::new(self.map, self.robot.chain(self.side), size, &self.params.wrist[self.side]);
         for span in &self.track.spans {
             let run: Vec<HumanPose> = self.track.poses[span.clone()].iter().copied().flatten().collect();
             let strengths = pinch_strengths(&run, size, &self.params.pinch);

@@ -197,6 +197,11 @@ fn check_retarget(settings: &RetargetSettings) -> Result<(), ApplyError> {
     {
         return Err(refuse("alpha", alpha, "a number above 0 and at most 1"));
     }
+    for (_, turn) in settings.wrist.iter() {
+        if !turn.degrees().iter().all(|degrees| degrees.is_finite() && degrees.abs() <= 180.0) {
+            return Err(refuse("wrist", turn, "finite degrees within ±180"));
+        }
+    }
     if let Some(offset) = settings.offset
         && !offset.iter().all(|value| value.is_finite() && value.abs() <= 10.0)
     {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use agenticfocus::{
     clip::{CameraSpec, FrameIndex},
-    geometry::{Pixel, PixelBox, Side},
-    retarget::{Beta, CameraAngles, CameraRotation},
+    geometry::{PerSide, Pixel, PixelBox, Side},
+    retarget::{Beta, CameraAngles, CameraRotation, Smoothing, WristTurn},
     session::{
         Author, Command, Entry, HandEdit, LayerOrder, LayerOrderRange, MaskEdit, MaskId, MaskLayer,
         MaskReach, ObjectPromptKind, ObjectProposal, RetargetSettings, ReviewState, SidesSwapped, Step,
@@ -112,10 +112,21 @@ fn retarget() -> impl Strategy<Value = RetargetSettings> {
         option::of(rotation()),
         option::of(prop::array::uniform3(-10.0..10.0_f64)),
         option::of(0.1..0.3_f64),
+        option::of(prop_oneof![Just(Smoothing::None), Just(Smoothing::Ema), Just(Smoothing::ZeroPhase)]),
+        option::of((-180.0..180.0_f64, -180.0..180.0_f64, -180.0..180.0_f64)),
     )
-        .prop_map(|(beta, alpha, camera_rotation, offset, hand_length)| RetargetSettings {
+        .prop_map(|(beta, alpha, camera_rotation, offset, hand_length, smoothing, turn)| RetargetSettings {
             beta,
             alpha,
+            smoothing,
+            wrist: PerSide {
+                left: WristTurn::default(),
+                right: turn.map_or_else(WristTurn::default, |(roll_deg, pitch_deg, yaw_deg)| WristTurn {
+                    roll_deg,
+                    pitch_deg,
+                    yaw_deg,
+                }),
+            },
             camera_rotation,
             offset,
             hand_length,

@@ -5,7 +5,7 @@ mod support;
 use agenticfocus::{
     clip::FrameIndex,
     engine::{Access, Request},
-    retarget::Beta,
+    retarget::{Beta, Smoothing},
     session::{Command, Entry, LayerOrder, LayerOrderRange, LockHolder, RetargetSettings, ReviewState, Step},
 };
 use agenticfocus_ui::{
@@ -176,6 +176,27 @@ fn a_typed_beta_is_one_change_and_its_dot_puts_none_back() {
     harness.run_steps(2);
     click(&mut harness, "Reset β");
     assert_eq!(harness.state_mut().changes(), [Command::SetRetarget(RetargetSettings::default())]);
+}
+
+#[test]
+fn smoothing_and_wrists_are_settings_of_the_session_and_their_defaults_leave_no_trace() {
+    let mut harness = at(Step::Retarget, |_| {});
+    click(&mut harness, "Smoothing: forward");
+    let forward = RetargetSettings { smoothing: Some(Smoothing::Ema), ..RetargetSettings::default() };
+    assert_eq!(harness.state_mut().changes(), [Command::SetRetarget(forward)]);
+    harness.state_mut().keep(Command::SetRetarget(forward));
+    harness.run_steps(2);
+    click(&mut harness, "Smoothing: both ways");
+    assert_eq!(harness.state_mut().changes(), [Command::SetRetarget(RetargetSettings::default())]);
+
+    assert!(harness.query_by_label("R pitch value").is_none(), "folded until it is wanted");
+    click(&mut harness, "Wrist corrections");
+    harness.run_steps(20);
+    type_number(&mut harness, "R pitch value", "-4");
+    let changes = harness.state_mut().changes();
+    let [Command::SetRetarget(settings)] = &changes[..] else { panic!("{changes:?}") };
+    assert_eq!(settings.wrist.right.degrees(), [0.0, -4.0, 0.0]);
+    assert_eq!(settings.wrist.left.degrees(), [0.0; 3]);
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub(super) enum Order {
     Open(PathBuf),
     Close,
     Survey(PathBuf),
-    Keep(Change),
+    Keep(Box<Change>),
     RetrySave,
     SaveElsewhere(PathBuf),
     Export,
@@ -75,7 +75,7 @@ impl Desk<'_> {
             Order::Survey(path) => self.survey(&path),
             Order::Keep(change) => {
                 if let Some(keeper) = &mut self.keeper {
-                    let state = keeper.keep(change);
+                    let state = keeper.keep(*change);
                     self.shared.tell(Event::Save(state));
                 }
             }

@@ -91,7 +91,7 @@ impl Engine for LocalEngine {
                 self.order(Order::Close);
             }
             Request::Survey(path) => self.order(Order::Survey(path)),
-            Request::Keep(change) => self.order(Order::Keep(change)),
+            Request::Keep(change) => self.order(Order::Keep(Box::new(change))),
             Request::RetrySave => self.order(Order::RetrySave),
             Request::SaveElsewhere(folder) => self.order(Order::SaveElsewhere(folder)),
             Request::Work { document, revision } => shared.want_work(document, revision),

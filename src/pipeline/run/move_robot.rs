@@ -109,6 +109,10 @@ fn params_of(document: &Document) -> RetargetParams {
     if let Some(alpha) = settings.alpha {
         params.alpha = alpha;
     }
+    if let Some(smoothing) = settings.smoothing {
+        params.smoothing = smoothing;
+    }
+    params.wrist = settings.wrist;
     if let Some(rotation) = settings.camera_rotation {
         params.camera = rotation;
     }

@@ -14,7 +14,7 @@ mod words;
 pub use edits::{
     LayerOrderChange, choose_template_frame, layer_order_on, with_layer_order, without_layer_order, without_swap,
 };
-pub use retarget::{Knob, SideNumbers, View, numbers_of, sparc};
+pub use retarget::{Knob, SideNumbers, Turn, View, numbers_of, sparc};
 pub use review::{ChecklistItem, Verdict, checklist};
 pub use words::{author_of_mask, flag_reason, reasons_of};
 

@@ -16,12 +16,29 @@ pub(in crate::inspector) fn section(
     title: &str,
     add: impl FnOnce(&mut Ui, &mut Context<'_>),
 ) {
-    ui.add_space(8.0);
-    let (line, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
-    ui.painter().rect_filled(line, 0.0, cx.tokens.line);
-    ui.add_space(4.0);
+    separator(ui, cx.tokens);
     ui.label(RichText::new(title).strong().color(cx.tokens.text));
     ui.push_id(title, |ui| add(ui, cx));
+}
+
+/// As [`section`], folded until it is opened; `open` says whether it is so from the start.
+pub(in crate::inspector) fn folded_section(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    title: &str,
+    open: bool,
+    add: impl FnOnce(&mut Ui, &mut Context<'_>),
+) {
+    separator(ui, cx.tokens);
+    let heading = RichText::new(title).strong().color(cx.tokens.text);
+    egui::CollapsingHeader::new(heading).default_open(open).show_unindented(ui, |ui| add(ui, cx));
+}
+
+fn separator(ui: &mut Ui, tokens: &Tokens) {
+    ui.add_space(8.0);
+    let (line, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
+    ui.painter().rect_filled(line, 0.0, tokens.line);
+    ui.add_space(4.0);
 }
 
 /// A small line that explains.

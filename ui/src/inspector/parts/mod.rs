@@ -11,7 +11,7 @@ pub(super) use button::{
     choice_button, frame_with_cross, go_to_frame, primary_button, small_button, tool_button, unavailable,
 };
 pub(super) use fact::{Share, bar_of_shares, fact, mark, sign};
-pub(super) use layout::{draft, empty, hint, section};
+pub(super) use layout::{draft, empty, folded_section, hint, section};
 pub(super) use parameter::{Edit, Parameter};
 pub(super) use texture::{TextureKey, Textures, picture_of_rgb, picture_of_rgba};
 pub(super) use time_plot::{Trace, TraceStyle, legend, time_plot};

@@ -1,7 +1,8 @@
 //! The parameters one can turn, each a number with a unit, a range and a default.
 
 use agenticfocus::{
-    retarget::{Beta, CameraAngles, CameraRotation, RetargetParams},
+    geometry::Side,
+    retarget::{Beta, CameraAngles, CameraRotation, RetargetParams, Smoothing},
     session::RetargetSettings,
 };
 
@@ -27,12 +28,38 @@ pub enum Knob {
     Z,
     /// Smoothing α.
     Alpha,
+    /// A hand about its wrist, degrees.
+    Wrist(Side, Turn),
+}
+
+/// About which axis a wrist is corrected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// The forearm's.
+    Roll,
+    /// Fingers up or down.
+    Pitch,
+    /// Fingers to the side.
+    Yaw,
 }
 
 impl Knob {
-    /// All, in the order they are shown.
-    pub const ALL: [Self; 8] =
-        [Self::Beta, Self::Pitch, Self::Yaw, Self::Roll, Self::X, Self::Y, Self::Z, Self::Alpha];
+    /// The scale and the camera, in the order they are shown.
+    pub const CAMERA: [Self; 7] = [Self::Beta, Self::Pitch, Self::Yaw, Self::Roll, Self::X, Self::Y, Self::Z];
+    /// The wrists, in the order they are shown.
+    pub const WRISTS: [Self; 6] = [
+        Self::Wrist(Side::Left, Turn::Roll),
+        Self::Wrist(Side::Left, Turn::Pitch),
+        Self::Wrist(Side::Left, Turn::Yaw),
+        Self::Wrist(Side::Right, Turn::Roll),
+        Self::Wrist(Side::Right, Turn::Pitch),
+        Self::Wrist(Side::Right, Turn::Yaw),
+    ];
+
+    /// All there are.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::CAMERA.into_iter().chain([Self::Alpha]).chain(Self::WRISTS)
+    }
 
     /// How its row looks.
     pub(super) fn row(self) -> Parameter<'static> {
@@ -57,6 +84,22 @@ impl Knob {
             Self::Y => row("y", "Camera left of the torso", " cm", -40.0..=40.0, -1000.0..=1000.0, 2),
             Self::Z => row("z", "Camera above the torso", " cm", 0.0..=80.0, -1000.0..=1000.0, 2),
             Self::Alpha => row("α", "Smoothing of joint angles: 1 is none", "", 0.05..=1.0, 0.01..=1.0, 2),
+            Self::Wrist(side, turn) => {
+                let name = match (side, turn) {
+                    (Side::Left, Turn::Roll) => "L roll",
+                    (Side::Left, Turn::Pitch) => "L pitch",
+                    (Side::Left, Turn::Yaw) => "L yaw",
+                    (Side::Right, Turn::Roll) => "R roll",
+                    (Side::Right, Turn::Pitch) => "R pitch",
+                    (Side::Right, Turn::Yaw) => "R yaw",
+                };
+                let hint = match turn {
+                    Turn::Roll => "Hand turned about the forearm, clockwise from the elbow",
+                    Turn::Pitch => "Fingers turned down where the thumb is up",
+                    Turn::Yaw => "Fingers turned to the left where the thumb is up",
+                };
+                row(name, hint, "°", -45.0..=45.0, -180.0..=180.0, 1)
+            }
         }
     }
 
@@ -77,6 +120,9 @@ impl Knob {
             Self::Y => 100.0 * offset[1],
             Self::Z => 100.0 * offset[2],
             Self::Alpha => settings.alpha.unwrap_or(defaults.alpha),
+            Self::Wrist(side, Turn::Roll) => settings.wrist[side].roll_deg,
+            Self::Wrist(side, Turn::Pitch) => settings.wrist[side].pitch_deg,
+            Self::Wrist(side, Turn::Yaw) => settings.wrist[side].yaw_deg,
         }
     }
 
@@ -109,11 +155,19 @@ impl Knob {
             Self::X | Self::Y | Self::Z => {
                 let default: [f64; 3] = RetargetParams::default().offset.into();
                 let mut offset = settings.offset.unwrap_or(default);
-                offset[self as usize - Self::X as usize] = value / 100.0;
+                let axis = match self {
+                    Self::X => 0,
+                    Self::Y => 1,
+                    _ => 2,
+                };
+                offset[axis] = value / 100.0;
                 let changed = offset.iter().zip(default).any(|(now, default)| (now - default).abs() > 1e-9);
                 settings.offset = changed.then_some(offset);
             }
             Self::Alpha => settings.alpha = Some(value),
+            Self::Wrist(side, Turn::Roll) => settings.wrist[side].roll_deg = value,
+            Self::Wrist(side, Turn::Pitch) => settings.wrist[side].pitch_deg = value,
+            Self::Wrist(side, Turn::Yaw) => settings.wrist[side].yaw_deg = value,
         }
         settings
     }
@@ -126,6 +180,17 @@ impl Knob {
             _ => self.with(settings, self.value(&RetargetSettings::default(), None)),
         }
     }
+}
+
+/// How α is applied, with the default where nothing is set.
+pub(super) fn smoothing_of(settings: &RetargetSettings) -> Smoothing {
+    settings.smoothing.unwrap_or(RetargetParams::default().smoothing)
+}
+
+/// `settings` with another way of smoothing; the default is left out again.
+pub(super) fn with_smoothing(settings: &RetargetSettings, smoothing: Smoothing) -> RetargetSettings {
+    let changed = smoothing != RetargetParams::default().smoothing;
+    RetargetSettings { smoothing: changed.then_some(smoothing), ..*settings }
 }
 
 fn same_angles(one: &CameraAngles, other: &CameraAngles) -> bool {
@@ -142,13 +207,13 @@ mod tests {
     #[test]
     fn what_is_set_is_read_back_and_reset_leaves_nothing_behind() {
         let mut settings = RetargetSettings { hand_length: Some(0.19), ..RetargetSettings::default() };
-        for (at, knob) in Knob::ALL.into_iter().enumerate() {
+        for (at, knob) in Knob::all().enumerate() {
             let value = 0.3 + 0.05 * at as f64;
             settings = knob.with(&settings, value);
             assert!((knob.value(&settings, None) - value).abs() < 1e-9, "{knob:?}");
             assert!(knob.is_changed(&settings), "{knob:?}");
         }
-        for knob in Knob::ALL {
+        for knob in Knob::all() {
             settings = knob.reset(&settings);
             assert!(!knob.is_changed(&settings), "{knob:?}");
         }
@@ -164,7 +229,7 @@ mod tests {
     #[test]
     fn sliders_cover_the_defaults_and_stay_inside_what_the_session_takes() {
         let mut document = agenticfocus::session::Document::default();
-        for knob in Knob::ALL {
+        for knob in Knob::all() {
             let row = knob.row();
             let default = knob.value(&RetargetSettings::default(), Some(0.9));
             assert!(row.range.contains(&default), "{knob:?}");

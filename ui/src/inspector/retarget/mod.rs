@@ -9,7 +9,7 @@ mod scene;
 mod sparc;
 mod view;
 
-pub use knob::Knob;
+pub use knob::{Knob, Turn};
 pub(super) use numbers::followed;
 pub use numbers::{SideNumbers, numbers_of};
 pub use sparc::sparc;
@@ -19,14 +19,14 @@ use std::sync::Arc;
 
 use agenticfocus::{
     geometry::{PerSide, Side},
-    retarget::RobotMotion,
+    retarget::{RobotMotion, Smoothing},
     session::{Command, RetargetSettings},
 };
-use egui::{RichText, Ui, vec2};
+use egui::{Button, RichText, Ui, vec2};
 
 use super::{
     hands::mark_of,
-    parts::{Edit, Textures, hint, mark, section},
+    parts::{Edit, Textures, folded_section, hint, mark, section},
 };
 use crate::{
     action::Action,
@@ -34,6 +34,7 @@ use crate::{
     ui_command::UiCommand,
     widgets::command_button,
 };
+use knob::{smoothing_of, with_smoothing};
 
 /// Parameters that are being dragged, and numbers that take a moment to compute.
 #[derive(Debug, Default)]
@@ -58,11 +59,7 @@ impl RetargetInspector {
         if let Some(motion) = &motion {
             self.numbers(ui, cx, motion);
         }
-        section(ui, cx, "Scale and camera", |ui, cx| {
-            ui.add_enabled_ui(workspace.is_writable(), |ui| {
-                self.parameters(ui, cx, workspace, motion.as_deref())
-            });
-        });
+        self.parameters(ui, cx, workspace, motion.as_deref());
         if let Some(motion) = &motion {
             section(ui, cx, "Over the clip", |ui, cx| self.plots.show(ui, cx, workspace, motion));
         }
@@ -118,35 +115,18 @@ impl RetargetInspector {
     ) {
         let kept = workspace.document().retarget;
         self.drop_a_drag_that_ended_elsewhere(ui, cx, kept);
-        let mut edited = self.moving.unwrap_or(kept);
-        let fitted = motion.map(|motion| motion.map.beta);
-        let mut result = Edit::None;
-        for knob in Knob::ALL {
-            if matches!(knob, Knob::Pitch | Knob::X | Knob::Alpha) {
-                ui.add_space(4.0);
-            }
-            let edit = knob.row().show(ui, cx.tokens, knob.value(&edited, fitted), knob.is_changed(&edited));
-            match edit {
-                Edit::None => continue,
-                Edit::Preview(value) | Edit::Keep(value) => edited = knob.with(&edited, value),
-                Edit::Reset => edited = knob.reset(&edited),
-            }
-            result = edit;
-        }
-        ui.add_space(4.0);
-        ui.horizontal_wrapped(|ui| {
-            command_button(ui, cx, UiCommand::FitBeta);
-            command_button(ui, cx, UiCommand::ResetRetarget);
-        });
-        let fits = !Knob::Beta.is_changed(&edited);
-        let beta = if fits {
-            "β is fitted so that 95 % of the frames come within reach"
-        } else {
-            "β is held by you"
+        let mut turning = Turning {
+            settings: self.moving.unwrap_or(kept),
+            touch: Touch::None,
+            fitted: motion.map(|motion| motion.map.beta),
         };
-        hint(ui, cx.tokens, beta);
-        hint(ui, cx.tokens, "α smooths both ways in time: nothing lags");
-        self.ask(cx, kept, edited, result);
+        ui.add_enabled_ui(workspace.is_writable(), |ui| {
+            section(ui, cx, "Scale and camera", |ui, cx| turning.camera(ui, cx));
+            section(ui, cx, "Smoothing", |ui, cx| turning.smoothing(ui, cx));
+            let corrected = Knob::WRISTS.iter().any(|knob| knob.is_changed(&kept));
+            folded_section(ui, cx, "Wrist corrections", corrected, |ui, cx| turning.wrists(ui, cx));
+        });
+        self.ask(cx, kept, turning.settings, turning.touch);
     }
 
     /// Another step was opened while a slider moved: nobody will ever let go of it here.
@@ -158,16 +138,16 @@ impl RetargetInspector {
     }
 
     /// A slider that moves is previewed; where it comes to rest is one undo step, if it is another place.
-    fn ask(&mut self, cx: &mut Context<'_>, kept: RetargetSettings, edited: RetargetSettings, edit: Edit) {
-        match edit {
-            Edit::None => {}
-            Edit::Preview(_) => {
+    fn ask(&mut self, cx: &mut Context<'_>, kept: RetargetSettings, edited: RetargetSettings, touch: Touch) {
+        match touch {
+            Touch::None => {}
+            Touch::Moves => {
                 if self.moving.unwrap_or(kept) != edited {
                     cx.ask(Action::Preview(Command::SetRetarget(edited)));
                 }
                 self.moving = Some(edited);
             }
-            Edit::Keep(_) | Edit::Reset => {
+            Touch::Rests => {
                 let moved = self.moving.take().is_some_and(|moving| moving != kept);
                 if edited != kept {
                     cx.ask(Action::Change(Command::SetRetarget(edited)));
@@ -176,6 +156,96 @@ impl RetargetInspector {
                 }
             }
         }
+    }
+}
+
+/// What a person does to the parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Touch {
+    /// Nothing.
+    None,
+    /// One moves, and nothing is decided.
+    Moves,
+    /// One is to stay as it is now.
+    Rests,
+}
+
+/// The parameters as they are shown, and what becomes of them meanwhile.
+struct Turning {
+    settings: RetargetSettings,
+    touch: Touch,
+    /// β, where it is fitted.
+    fitted: Option<f64>,
+}
+
+impl Turning {
+    fn knob(&mut self, ui: &mut Ui, cx: &Context<'_>, knob: Knob) {
+        let (value, changed) = (knob.value(&self.settings, self.fitted), knob.is_changed(&self.settings));
+        let (settings, touch) = match knob.row().show(ui, cx.tokens, value, changed) {
+            Edit::None => return,
+            Edit::Preview(value) => (knob.with(&self.settings, value), Touch::Moves),
+            Edit::Keep(value) => (knob.with(&self.settings, value), Touch::Rests),
+            Edit::Reset => (knob.reset(&self.settings), Touch::Rests),
+        };
+        (self.settings, self.touch) = (settings, touch);
+    }
+
+    fn camera(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        for knob in Knob::CAMERA {
+            if matches!(knob, Knob::Pitch | Knob::X) {
+                ui.add_space(4.0);
+            }
+            self.knob(ui, cx, knob);
+        }
+        ui.add_space(4.0);
+        ui.horizontal_wrapped(|ui| {
+            command_button(ui, cx, UiCommand::FitBeta);
+            command_button(ui, cx, UiCommand::ResetRetarget);
+        });
+        let beta = if Knob::Beta.is_changed(&self.settings) {
+            "β is held by you"
+        } else {
+            "β is fitted so that 95 % of the frames come within reach"
+        };
+        hint(ui, cx.tokens, beta);
+    }
+
+    fn smoothing(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let now = smoothing_of(&self.settings);
+        let width = (ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0;
+        let ways = [
+            (Smoothing::ZeroPhase, "Both ways", "Forward and backward in time"),
+            (Smoothing::Ema, "Forward", "Forward in time alone, as published"),
+            (Smoothing::None, "None", "Joint angles as solved, within the limits of speed"),
+        ];
+        ui.horizontal(|ui| {
+            for (way, text, meaning) in ways {
+                let button = Button::selectable(way == now, text).frame_when_inactive(true);
+                let name = format!("Smoothing: {}", text.to_lowercase());
+                let response = ui.add_sized([width, 24.0], button).accessible_name(name);
+                if response.on_hover_text(meaning).clicked() {
+                    (self.settings, self.touch) = (with_smoothing(&self.settings, way), Touch::Rests);
+                }
+            }
+        });
+        ui.add_space(4.0);
+        ui.add_enabled_ui(now != Smoothing::None, |ui| self.knob(ui, cx, Knob::Alpha));
+        let lag = match now {
+            Smoothing::ZeroPhase => "Nothing lags; wrists are put back on their targets",
+            Smoothing::Ema => "The robot lags behind, the more the smaller α is",
+            Smoothing::None => "α has no part in it",
+        };
+        hint(ui, cx.tokens, lag);
+    }
+
+    fn wrists(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        for (at, knob) in Knob::WRISTS.into_iter().enumerate() {
+            if at == 3 {
+                ui.add_space(4.0);
+            }
+            self.knob(ui, cx, knob);
+        }
+        hint(ui, cx.tokens, "Each hand turned about its wrist, which stays in its place");
     }
 }
 
