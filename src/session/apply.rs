@@ -68,6 +68,11 @@ impl Document {
                 Command::SetTemplateMask(replace(&mut self.template.mask, mask))
             }
             Command::SetPlacement { frame, transform } => self.set_placement(frame, transform)?,
+            Command::SetInterpolated { frame, interpolated } => {
+                let keyframes = &mut self.template.interpolated;
+                let before = if interpolated { !keyframes.insert(frame) } else { keyframes.remove(&frame) };
+                Command::SetInterpolated { frame, interpolated: before }
+            }
             Command::SetHandTrack(path) => Command::SetHandTrack(replace(&mut self.hand_track, path)),
             Command::SetHandEdit { frame, side, edit } => {
                 edit.iter().try_for_each(check_hand)?;

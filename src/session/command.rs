@@ -66,6 +66,13 @@ pub enum Command {
         /// Template pixels to frame pixels; `None` leaves it to the machine again.
         transform: Option<Matrix3<f64>>,
     },
+    /// Whether placements run straight from a keyframe to the next one.
+    SetInterpolated {
+        /// The keyframe.
+        frame: FrameIndex,
+        /// Yes or no.
+        interpolated: bool,
+    },
     /// A hand track to import, absolute path.
     SetHandTrack(Option<String>),
     /// A correction of a hand.

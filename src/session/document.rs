@@ -107,6 +107,24 @@ pub struct TemplateEdits {
     pub mask: Option<MaskId>,
     /// Placements set by hand: template pixels to frame pixels.
     pub placements: BTreeMap<FrameIndex, Matrix3<f64>>,
+    /// Keyframes from which the placement runs straight to the next one, over the frames between.
+    #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
+    pub interpolated: BTreeSet<FrameIndex>,
+}
+
+impl TemplateEdits {
+    /// The keyframe at or before `frame` and the one after it, with their placements; `None` where either is missing.
+    pub fn keyframes_around(&self, frame: FrameIndex) -> Option<[(FrameIndex, &Matrix3<f64>); 2]> {
+        let (first, from) = self.placements.range(..=frame).next_back()?;
+        let (last, to) = self.placements.range(FrameIndex(frame.0.saturating_add(1))..).next()?;
+        Some([(*first, from), (*last, to)])
+    }
+
+    /// Pairs of keyframes with interpolated frames between them, in order.
+    pub fn interpolated_spans(&self) -> impl Iterator<Item = (FrameIndex, FrameIndex)> {
+        let frames = self.placements.keys().zip(self.placements.keys().skip(1));
+        frames.filter(|(first, _)| self.interpolated.contains(first)).map(|(first, last)| (*first, *last))
+    }
 }
 
 /// What a person said about one hand on one frame.

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "engine")]
 mod build;
+mod by_hand;
 #[cfg(feature = "engine")]
 mod carry;
 #[cfg(feature = "engine")]
@@ -20,6 +21,7 @@ mod track;
 
 #[cfg(feature = "engine")]
 pub use build::build;
+pub use by_hand::PlacedByHand;
 #[cfg(feature = "engine")]
 pub use params::{TemplateError, TemplateParams};
 pub use track::{Placement, TemplateTrack};

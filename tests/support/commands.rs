@@ -15,7 +15,7 @@ use nalgebra::Matrix3;
 use proptest::{option, prelude::*};
 
 /// Kinds of commands.
-pub const KINDS: usize = 18;
+pub const KINDS: usize = 19;
 
 /// Which kind: a new one does not compile until it is drawn here.
 pub fn kind(command: &Command) -> usize {
@@ -38,6 +38,7 @@ pub fn kind(command: &Command) -> usize {
         Command::SetReview(_) => 15,
         Command::Together(_) => 16,
         Command::SetReach { .. } => 17,
+        Command::SetInterpolated { .. } => 18,
     }
 }
 
@@ -115,21 +116,23 @@ fn retarget() -> impl Strategy<Value = RetargetSettings> {
         option::of(prop_oneof![Just(Smoothing::None), Just(Smoothing::Ema), Just(Smoothing::ZeroPhase)]),
         option::of((-180.0..180.0_f64, -180.0..180.0_f64, -180.0..180.0_f64)),
     )
-        .prop_map(|(beta, alpha, camera_rotation, offset, hand_length, smoothing, turn)| RetargetSettings {
-            beta,
-            alpha,
-            smoothing,
-            wrist: PerSide {
-                left: WristTurn::default(),
-                right: turn.map_or_else(WristTurn::default, |(roll_deg, pitch_deg, yaw_deg)| WristTurn {
-                    roll_deg,
-                    pitch_deg,
-                    yaw_deg,
-                }),
-            },
-            camera_rotation,
-            offset,
-            hand_length,
+        .prop_map(|(beta, alpha, camera_rotation, offset, hand_length, smoothing, turn)| {
+            RetargetSettings {
+                beta,
+                alpha,
+                smoothing,
+                wrist: PerSide {
+                    left: WristTurn::default(),
+                    right: turn.map_or_else(WristTurn::default, |(roll_deg, pitch_deg, yaw_deg)| WristTurn {
+                        roll_deg,
+                        pitch_deg,
+                        yaw_deg,
+                    }),
+                },
+                camera_rotation,
+                offset,
+                hand_length,
+            }
         })
 }
 
@@ -170,6 +173,8 @@ fn per_frame() -> impl Strategy<Value = Command> {
         }),
         (frame(), option::of(placed))
             .prop_map(|(frame, transform)| Command::SetPlacement { frame, transform }),
+        (frame(), any::<bool>())
+            .prop_map(|(frame, interpolated)| Command::SetInterpolated { frame, interpolated }),
         (frame(), side, option::of(hand)).prop_map(|(frame, side, edit)| Command::SetHandEdit {
             frame,
             side,

@@ -201,6 +201,8 @@ pub enum UiCommand {
     TemplateMask,
     /// Drop the placement by hand on this frame.
     ForgetPlacement,
+    /// Place the template between two keyframes, or leave those frames to the machine again.
+    InterpolatePlacement,
     /// Move the placement one pixel left.
     NudgeLeft,
     /// Move the placement one pixel right.
@@ -367,6 +369,7 @@ const TABLE: &[Row] = &[
     row(UiCommand::TemplateAuto, "Best frame", "Let the machine choose the clean frame", &[key(SHIFT, Key::T)], Scope::Step(Step::Template)),
     row(UiCommand::TemplateMask, "Paint its mask", "Paint the template's mask on its own frame, or place the template again", &[key(NONE, Key::B)], Scope::Step(Step::Template)),
     row(UiCommand::ForgetPlacement, "Placement by the machine", "Drop the placement by hand on this frame", &[key(NONE, Key::Delete)], Scope::Step(Step::Template)),
+    row(UiCommand::InterpolatePlacement, "Interpolate placement", "Place the template between the keyframes around this frame, or leave those frames to the machine again", &[key(NONE, Key::N)], Scope::Step(Step::Template)),
     row(UiCommand::NudgeLeft, "Nudge left", "Move the placement one pixel left", &[key(NONE, Key::J)], Scope::Step(Step::Template)),
     row(UiCommand::NudgeRight, "Nudge right", "Move the placement one pixel right", &[key(NONE, Key::L)], Scope::Step(Step::Template)),
     row(UiCommand::NudgeUp, "Nudge up", "Move the placement one pixel up", &[key(NONE, Key::U)], Scope::Step(Step::Template)),

@@ -43,6 +43,22 @@ fn auto_by_key_takes_back_an_order_that_was_forced_on_more_frames() {
 }
 
 #[test]
+fn keyframes_of_the_placement_are_joined_and_parted_by_one_key() {
+    let mut window = window_in(Step::Template);
+    run(&mut window, UiCommand::InterpolatePlacement);
+    assert!(window.says("Place the template on a frame before this one"));
+    // The sample's keyframes are 20 and 42.
+    window.harness.state_mut().look_at(FrameIndex(30), Step::Template);
+    run(&mut window, UiCommand::InterpolatePlacement);
+    let spans = |window: &Window| window.document().template.interpolated_spans().collect::<Vec<_>>();
+    assert_eq!(spans(&window), [(FrameIndex(20), FrameIndex(42))]);
+    assert!(window.says("Between frames 20 and 42"), "at once, before the engine answers");
+    assert!(window.says("placed by you, runs to 42"));
+    run(&mut window, UiCommand::InterpolatePlacement);
+    assert!(spans(&window).is_empty());
+}
+
+#[test]
 fn cutting_the_template_from_here_drops_a_mask_that_was_drawn_elsewhere_and_no_other() {
     let mut window = window_in(Step::Template);
     run(&mut window, UiCommand::TemplateHere);

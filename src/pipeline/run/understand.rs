@@ -2,6 +2,7 @@
 
 use std::{borrow::Cow, collections::BTreeMap, sync::Arc};
 
+use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -23,7 +24,9 @@ use crate::{
         object::{self, ObjectParams, ObjectPrompt, PromptKind},
     },
     select::{self, SelectParams},
-    session::{Author, Command, Document, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState, TemplateEdits},
+    session::{
+        Author, Command, Document, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState, TemplateEdits,
+    },
     template::{self, TemplateParams, TemplateTrack},
 };
 
@@ -292,27 +295,26 @@ pub(super) fn template(
             }
             template::build(clip, &masks, &arms.0.union, edits.frame, landmarks, &params, watch)
         })?;
-    let key = Key::new(Stage::Template, &[&key], &edits.placements.iter().collect::<Vec<_>>())?;
-    let kept = context.memory.and_then(|memory| memory.artifact::<Option<Arc<TemplateTrack>>>(Stage::Template, &key));
+    let set = set_placements(track.as_ref().as_ref(), edits);
+    let key = Key::new(Stage::Template, &[&key], &set)?;
+    let kept = context
+        .memory
+        .and_then(|memory| memory.artifact::<Option<Arc<TemplateTrack>>>(Stage::Template, &key));
     if let Some(placed) = kept {
         return Ok((Option::clone(&placed), key));
     }
-    let placed = Option::clone(&track).map(|track| Arc::new(with_placements(track, edits)));
+    let placed = Option::clone(&track).map(|track| Arc::new(track.with_edits(edits)));
     if let Some(memory) = context.memory {
         memory.keep(Stage::Template, &key, &Arc::new(placed.clone()));
     }
     Ok((placed, key))
 }
 
-/// The track with the placements that a person set.
-fn with_placements(mut track: TemplateTrack, edits: &TemplateEdits) -> TemplateTrack {
-    for (frame, transform) in &edits.placements {
-        if let Some(slot) = track.placements.get_mut(frame.as_usize()) {
-            let visible = slot.as_ref().map_or(1.0, |placement| placement.visible);
-            *slot = Some(template::Placement { transform: *transform, confidence: 1.0, visible });
-        }
-    }
-    track
+/// All placements that a person's word decides, in order.
+fn set_placements(track: Option<&TemplateTrack>, edits: &TemplateEdits) -> Vec<(FrameIndex, Matrix3<f64>)> {
+    let Some(track) = track else { return edits.placements.iter().map(|(at, to)| (*at, *to)).collect() };
+    let set = |frame| Some((frame, track.by_hand(edits, frame)?.transform));
+    FrameIndex::all(track.placements.len()).filter_map(set).collect()
 }
 
 /// What the background stage leaves: the frames on disk, the report in memory.

@@ -8,7 +8,10 @@ use agenticfocus::{
 use super::{
     Freshness,
     scene::Scene,
-    tools::{points::Points, template},
+    tools::{
+        points::Points,
+        template::{self, PlacedBy},
+    },
 };
 use crate::{
     state::{Context, LayerEyes, MaskOnFrame},
@@ -74,10 +77,13 @@ fn template_caption(scene: &Scene<'_>) -> Caption {
     let Some(track) = &scene.workspace.found.template else {
         return (Some(Icon::Ring), "No template yet".to_owned());
     };
-    match template::placed(scene, scene.frame) {
+    match template::placed(scene.workspace, scene.frame) {
         None => (Some(Icon::Ring), "The object is absent on this frame".to_owned()),
-        Some((_, true)) => (Some(Icon::Diamond), "By hand".to_owned()),
-        Some((_, false)) => {
+        Some((_, PlacedBy::Keyframe)) => (Some(Icon::Diamond), "By hand".to_owned()),
+        Some((_, PlacedBy::Between(first, last))) => {
+            (Some(Icon::Diamond), format!("Between frames {} and {}", first.0, last.0))
+        }
+        Some((_, PlacedBy::Machine)) => {
             let placement = track.placements.get(scene.frame.as_usize()).and_then(Option::as_ref);
             let trust = placement.map_or(0.0, |placement| placement.confidence * 100.0);
             (Some(Icon::Dot), format!("Machine, trust {trust:.0} %"))

@@ -19,9 +19,22 @@ impl OperatorApp {
                     self.say("This frame's placement is the machine's already");
                 }
             }
+            C::InterpolatePlacement => self.interpolate_placement(here),
             // The canvas moves and scales placements.
             _ => {}
         }
+    }
+
+    /// Joins the keyframes around `frame`, or parts them where they are joined.
+    fn interpolate_placement(&mut self, frame: FrameIndex) {
+        let Some(workspace) = &self.workspace else { return };
+        let template = &workspace.document().template;
+        let Some([(first, _), _]) = template.keyframes_around(frame) else {
+            self.say("Place the template on a frame before this one and on one after it first");
+            return;
+        };
+        let interpolated = !template.interpolated.contains(&first);
+        self.change(Command::SetInterpolated { frame: first, interpolated }, Vec::new());
     }
 
     fn cut_template_from(&mut self, frame: Option<FrameIndex>) {

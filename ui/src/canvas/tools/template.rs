@@ -15,7 +15,10 @@ use super::{
     held::{Follow, Held},
     placement,
 };
-use crate::{action::Action, state::Context};
+use crate::{
+    action::Action,
+    state::{Context, Workspace},
+};
 
 /// How near the pointer must be to a handle, points.
 const HIT: f32 = 10.0;
@@ -50,15 +53,25 @@ pub(in super::super) struct TemplateTools {
     drag: Held<Drag>,
 }
 
-/// Where the template lies on `frame`, and whether a person put it there.
-pub(in super::super) fn placed(scene: &Scene<'_>, frame: FrameIndex) -> Option<(Matrix3<f64>, bool)> {
-    let by_hand = scene.workspace.document().template.placements.get(&frame);
-    if let Some(transform) = by_hand {
-        return Some((*transform, true));
+/// Who put the template where it lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum PlacedBy {
+    /// The machine.
+    Machine,
+    /// A person, on this frame.
+    Keyframe,
+    /// A person, on these frames around it.
+    Between(FrameIndex, FrameIndex),
+}
+
+/// Where the template lies on `frame`, and who put it there.
+pub(in super::super) fn placed(workspace: &Workspace, frame: FrameIndex) -> Option<(Matrix3<f64>, PlacedBy)> {
+    let track = workspace.found.template.as_ref()?;
+    if let Some(set) = track.by_hand(&workspace.document().template, frame) {
+        let by = set.between.map_or(PlacedBy::Keyframe, |(first, last)| PlacedBy::Between(first, last));
+        return Some((set.transform, by));
     }
-    let track = scene.workspace.found.template.as_ref()?;
-    let placement = track.placements.get(frame.as_usize())?.as_ref()?;
-    Some((placement.transform, false))
+    Some((track.placements.get(frame.as_usize())?.as_ref()?.transform, PlacedBy::Machine))
 }
 
 impl TemplateTools {
@@ -71,10 +84,10 @@ impl TemplateTools {
                 cx.ask(Action::Change(Command::SetPlacement { frame, transform: Some(drag.now) }));
             }
         }
-        let by_hand = placed(scene, scene.frame);
-        let now = self.drag.get().map(|drag| (drag.now, true)).or(by_hand);
-        if let Some((transform, human)) = now.filter(|_| !scene.hidden) {
-            self.draw(&transform, human, &corners, scene, cx);
+        let held = self.drag.get().map(|drag| (drag.now, PlacedBy::Keyframe));
+        let now = held.or_else(|| placed(scene.workspace, scene.frame));
+        if let Some((transform, by)) = now.filter(|_| !scene.hidden) {
+            self.draw(&transform, by, &corners, scene, cx);
         }
     }
 
@@ -101,7 +114,7 @@ impl TemplateTools {
     fn draw(
         &self,
         transform: &Matrix3<f64>,
-        human: bool,
+        by: PlacedBy,
         corners: &[Pixel; 4],
         scene: &Scene<'_>,
         cx: &Context<'_>,
@@ -117,7 +130,7 @@ impl TemplateTools {
             scene.painter.add(Shape::mesh(warped(id, place)));
         }
         let on_screen = corners.map(|at| scene.projection.to_screen(placement::apply(transform, at)));
-        let style = LineStyle { width: 1.5, colour: cx.tokens.template, dashed: !human };
+        let style = LineStyle { width: 1.5, colour: cx.tokens.template, dashed: by == PlacedBy::Machine };
         shapes::rimmed_line(&scene.painter, &on_screen, true, style);
         if scene.is_writable() {
             let hovered = scene.hover.and_then(|at| grip_at(at, transform, corners, scene));
@@ -142,7 +155,7 @@ impl TemplateTools {
 
 /// The placement, held by what is under the pointer.
 fn grab(at: Pos2, corners: &[Pixel; 4], scene: &Scene<'_>, cx: &mut Context<'_>) -> Option<Drag> {
-    let (before, _) = placed(scene, scene.frame).filter(|_| scene.is_writable())?;
+    let (before, _) = placed(scene.workspace, scene.frame).filter(|_| scene.is_writable())?;
     let grip = grip_at(at, &before, corners, scene)?;
     cx.options.playing = false;
     let centre = placement::apply(&before, placement::middle(corners));
@@ -226,9 +239,7 @@ pub(in super::super) fn nudged(
     let workspace = cx.workspace.filter(|workspace| workspace.is_writable())?;
     let frame = workspace.playhead;
     let track = workspace.found.template.as_ref()?;
-    let by_hand = workspace.document().template.placements.get(&frame).copied();
-    let found = || Some(track.placements.get(frame.as_usize())?.as_ref()?.transform);
-    let before = by_hand.or_else(found)?;
+    let (before, _) = placed(workspace, frame)?;
     let centre = placement::apply(&before, placement::middle(&placement::frame_of(track)));
     Some(Command::SetPlacement { frame, transform: Some(change(&before, centre)) })
 }

@@ -3,7 +3,7 @@
 mod plot;
 mod rank;
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use agenticfocus::{clip::FrameIndex, session::Command, template::TemplateTrack};
 use egui::{Align, Color32, Layout, Rect, RichText, Sense, Ui, pos2, vec2};
@@ -195,14 +195,29 @@ fn keyframes(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
     if placements.is_empty() {
         hint(ui, cx.tokens, "None: drag the template on a frame to set one");
     }
+    let edits = &workspace.document().template;
+    let spans: BTreeMap<FrameIndex, FrameIndex> = edits.interpolated_spans().collect();
     for frame in placements.keys().copied() {
         let name = format!("Leave frame {} to the machine", frame.0);
-        if frame_with_cross(ui, cx, frame, "placed by you", &name) {
+        let text = match spans.get(&frame) {
+            Some(last) => format!("placed by you, runs to {}", last.0),
+            None => "placed by you".to_owned(),
+        };
+        if frame_with_cross(ui, cx, frame, &text, &name) {
             cx.ask(Action::Change(Command::SetPlacement { frame, transform: None }));
         }
     }
     let here: FrameIndex = workspace.playhead;
-    if placements.contains_key(&here) {
-        command_button(ui, cx, UiCommand::ForgetPlacement);
+    ui.horizontal_wrapped(|ui| {
+        if placements.len() > 1 {
+            command_button(ui, cx, UiCommand::InterpolatePlacement);
+        }
+        if placements.contains_key(&here) {
+            command_button(ui, cx, UiCommand::ForgetPlacement);
+        }
+    });
+    if let Some([(first, _), (last, _)]) = edits.keyframes_around(here) {
+        let who = if spans.contains_key(&first) { "between them" } else { "by the machine" };
+        hint(ui, cx.tokens, &format!("Frames {} to {}: placed {who}", first.0 + 1, last.0 - 1));
     }
 }

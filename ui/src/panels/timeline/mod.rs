@@ -11,7 +11,7 @@ mod words;
 use agenticfocus::clip::FrameIndex;
 use egui::{Modifiers, Rangef, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
-pub use runs::{HandRow, MaskKind, MaskRow, OrderKind, RowCache, Rows, Run};
+pub use runs::{HandRow, MaskKind, MaskRow, OrderKind, RowCache, Rows, Run, TemplateRow};
 pub use scale::Scale;
 pub use words::{flag_words, hand_words, mask_words};
 
@@ -43,7 +43,7 @@ pub struct Timeline {
 
 impl Timeline {
     /// Height of the panel with its margins, points.
-    pub const HEIGHT: f32 = 208.0;
+    pub const HEIGHT: f32 = 216.0;
 
     /// Carries out what concerns the timeline alone; `false` where the command is somebody else's.
     pub fn perform(&mut self, command: UiCommand) -> bool {

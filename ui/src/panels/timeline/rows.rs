@@ -7,7 +7,7 @@ use egui::{
 };
 
 use super::{
-    HandRow, MaskKind, MaskRow, Rows, Scale,
+    HandRow, MaskKind, MaskRow, Rows, Scale, TemplateRow,
     paint::{Glyphs, bar, dashes, line, striped_bar},
 };
 use crate::{
@@ -27,6 +27,7 @@ pub(super) struct Places {
     pub filmstrip: Rect,
     object: Rect,
     arms: Rect,
+    template: Rect,
     left: Rect,
     right: Rect,
     order: Rect,
@@ -45,8 +46,9 @@ impl Places {
         Self {
             ruler: row(14.0, 0.0),
             filmstrip: row(36.0, 4.0),
-            object: row(16.0, 0.0),
-            arms: row(16.0, 0.0),
+            object: row(14.0, 0.0),
+            arms: row(14.0, 0.0),
+            template: row(12.0, 0.0),
             left: row(12.0, 1.0),
             right: row(12.0, 3.0),
             order: row(18.0, 4.0),
@@ -69,11 +71,12 @@ pub(super) fn paint(
     let painter = ui.painter();
     names(painter, tokens, places);
     ruler(painter, tokens, scale, places, workspace);
-    for place in [places.object, places.arms, places.left, places.right] {
+    for place in [places.object, places.arms, places.template, places.left, places.right] {
         painter.hline(place.x_range(), place.center().y, Stroke::new(1.0, tokens.line.gamma_multiply(0.6)));
     }
     mask_row(painter, tokens, &rows.object, scale, places.object, &[tokens.object]);
     mask_row(painter, tokens, &rows.arms, scale, places.arms, &[tokens.left, tokens.right]);
+    template_row(painter, tokens, &rows.template, scale, places.template);
     for (side, place) in [(Side::Left, places.left), (Side::Right, places.right)] {
         hand_row(painter, tokens, &rows.hands[side], scale, place, tokens.side(side));
     }
@@ -87,6 +90,7 @@ fn names(painter: &Painter, tokens: &Tokens, places: &Places) {
     let named = [
         (places.object, "object"),
         (places.arms, "arms"),
+        (places.template, "template"),
         (places.left, "left hand"),
         (places.right, "right hand"),
         (places.order, "contact, order"),
@@ -171,6 +175,34 @@ fn mask_row(
     }
 }
 
+/// A person's frames, each with a rim that sets it off from what is under it.
+fn diamonds(painter: &Painter, tokens: &Tokens, scale: &Scale, frames: &[u32], y: f32) {
+    let mut glyphs = Glyphs::new(painter, scale);
+    for frame in frames {
+        glyphs.put(*frame, y, Icon::Diamond, 11.0, tokens.panel);
+        glyphs.last = f32::NEG_INFINITY;
+        glyphs.put(*frame, y, Icon::Diamond, 8.0, tokens.text);
+    }
+}
+
+/// A thin line where it is placed, a thick one between keyframes that were joined, people's keyframes as diamonds.
+fn template_row(painter: &Painter, tokens: &Tokens, row: &TemplateRow, scale: &Scale, place: Rect) {
+    let middle = place.center().y;
+    for run in &row.runs {
+        if let Some(x) = scale.span(run.first, run.last) {
+            line(painter, x, middle, Stroke::new(1.0, tokens.template));
+        }
+    }
+    for (first, last) in &row.spans {
+        if scale.span(*first, *last).is_some() {
+            let x = Rangef::new(scale.middle(*first), scale.middle(*last));
+            let x = Rangef::new(x.min.max(scale.x.min), x.max.min(scale.x.max));
+            line(painter, x, middle, Stroke::new(4.0, tokens.template));
+        }
+    }
+    diamonds(painter, tokens, scale, &row.human, middle);
+}
+
 /// Seen full, bridged striped, absent left out; corrections as diamonds.
 fn hand_row(painter: &Painter, tokens: &Tokens, row: &HandRow, scale: &Scale, place: Rect, colour: Color32) {
     let y = place.shrink2(vec2(0.0, 2.0)).y_range();
@@ -182,12 +214,7 @@ fn hand_row(painter: &Painter, tokens: &Tokens, row: &HandRow, scale: &Scale, pl
             _ => bar(painter, rect, colour),
         }
     }
-    let mut edits = Glyphs::new(painter, scale);
-    for frame in &row.human {
-        edits.put(*frame, place.center().y, Icon::Diamond, 11.0, tokens.panel);
-        edits.last = f32::NEG_INFINITY;
-        edits.put(*frame, place.center().y, Icon::Diamond, 8.0, tokens.text);
-    }
+    diamonds(painter, tokens, scale, &row.human, place.center().y);
 }
 
 /// Frames on which a person exchanged the hands: a frame round both rows, with a glyph where there is room.

@@ -53,6 +53,17 @@ pub struct HandRow {
     pub human: Vec<u32>,
 }
 
+/// The row of the template.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TemplateRow {
+    /// Stretches on which it is placed, whoever placed it.
+    pub runs: Vec<Run<()>>,
+    /// Keyframes by a person.
+    pub human: Vec<u32>,
+    /// First and last keyframe of stretches that a person had interpolated.
+    pub spans: Vec<(u32, u32)>,
+}
+
 /// What lies in front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderKind {
@@ -71,6 +82,8 @@ pub struct Rows {
     pub object: MaskRow,
     /// The arms' masks.
     pub arms: MaskRow,
+    /// The template's placement.
+    pub template: TemplateRow,
     /// Both hands.
     pub hands: PerSide<HandRow>,
     /// Frames on which a person exchanged left and right, first and last.
@@ -119,6 +132,21 @@ fn mask_row(workspace: &Workspace, layer: MaskLayer, count: u32) -> MaskRow {
 /// The rule by which [`Workspace::is_problem`] counts a mask.
 fn is_doubtful(score: f64, flags: &[MaskFlag]) -> bool {
     score < 0.35 || flags.iter().any(|flag| !matches!(flag, MaskFlag::TouchesBorder | MaskFlag::Occluded))
+}
+
+fn template_row(workspace: &Workspace) -> TemplateRow {
+    let edits = &workspace.document().template;
+    let mut runs = Vec::new();
+    if let Some(track) = &workspace.found.template {
+        for (frame, _) in (0_u32..).zip(&track.placements).filter(|(_, placement)| placement.is_some()) {
+            push(&mut runs, frame, ());
+        }
+    }
+    TemplateRow {
+        runs,
+        human: edits.placements.keys().map(|frame| frame.0).collect(),
+        spans: edits.interpolated_spans().map(|(first, last)| (first.0, last.0)).collect(),
+    }
 }
 
 fn hand_row(workspace: &Workspace, side: Side) -> HandRow {
@@ -180,6 +208,7 @@ impl Rows {
             count,
             object: mask_row(workspace, MaskLayer::Object, count),
             arms: mask_row(workspace, MaskLayer::Arms, count),
+            template: template_row(workspace),
             hands: PerSide::from_fn(|side| hand_row(workspace, side)),
             swapped: workspace
                 .document()
@@ -228,6 +257,7 @@ impl Seen {
             clip: found.clip.clone(),
             arms: found.arms.clone(),
             object: found.object.clone(),
+            template: found.template.clone(),
             hands: found.hands.clone(),
             motion: found.motion.clone(),
             order: found.order.clone(),
@@ -249,6 +279,7 @@ impl Seen {
             && same(old.clip.as_ref(), new.clip.as_ref())
             && same(old.arms.as_ref(), new.arms.as_ref())
             && same(old.object.as_ref(), new.object.as_ref())
+            && same(old.template.as_ref(), new.template.as_ref())
             && same(old.hands.as_ref(), new.hands.as_ref())
             && same(old.motion.as_ref(), new.motion.as_ref())
             && same(old.order.as_ref(), new.order.as_ref())

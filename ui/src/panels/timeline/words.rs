@@ -48,6 +48,18 @@ pub fn mask_words(workspace: &Workspace, layer: MaskLayer, frame: FrameIndex) ->
     words
 }
 
+/// Who placed the template on `frame`.
+pub fn template_words(workspace: &Workspace, frame: FrameIndex) -> Option<String> {
+    let track = workspace.found.template.as_ref()?;
+    let set = track.by_hand(&workspace.document().template, frame);
+    Some(match (set.map(|set| set.between), track.placements.get(frame.as_usize())?) {
+        (Some(None), _) => "placed by a person".to_owned(),
+        (Some(Some((first, last))), _) => format!("between a person's frames {} and {}", first.0, last.0),
+        (None, Some(placement)) => format!("placed, trust {:.0} %", (100.0 * placement.confidence).round()),
+        (None, None) => "the object is absent".to_owned(),
+    })
+}
+
 /// How a hand is known on `frame`.
 pub fn hand_words(workspace: &Workspace, side: Side, frame: FrameIndex) -> String {
     let corrected = workspace.document().hand_edits[side].get(&frame);
@@ -101,6 +113,9 @@ pub(super) fn show(ui: &mut Ui, tokens: &Tokens, workspace: &Workspace, frame: F
     let exchanged = workspace.document().sides_swapped.iter().any(|r| (r.first..=r.last).contains(&frame));
     if exchanged {
         lines.push(("Hands", "left and right exchanged by a person".to_owned()));
+    }
+    if let Some(template) = template_words(workspace, frame) {
+        lines.insert(2, ("Template", template));
     }
     if let Some(contact) = order_words(workspace, frame) {
         lines.push(("Order", contact));
