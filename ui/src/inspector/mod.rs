@@ -57,12 +57,13 @@ impl Inspector {
             *self = Self { clip: id.clone(), ..Self::default() };
         }
         let step = cx.options.step;
-        if step != Step::Review {
-            Panel::bottom("inspector_confirm")
-                .show_separator_line(true)
-                .frame(egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 8)).fill(cx.tokens.panel))
-                .show(ui, |ui| confirm(ui, cx, workspace, step));
-        }
+        Panel::bottom("inspector_confirm")
+            .show_separator_line(true)
+            .frame(egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 8)).fill(cx.tokens.panel))
+            .show(ui, |ui| match step {
+                Step::Review => self.review.decide(ui, cx, workspace),
+                _ => confirm(ui, cx, workspace, step),
+            });
         ScrollArea::vertical().id_salt(("inspector", step)).auto_shrink(false).show(ui, |ui| {
             egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 8)).show(ui, |ui| {
                 ui.spacing_mut().item_spacing = egui::vec2(8.0, 4.0);

@@ -36,6 +36,7 @@ struct Words {
 }
 
 impl ReviewInspector {
+    /// What there is to know before a decision, and what is to be said with one.
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         section(ui, cx, "Checked by the machine", |ui, cx| {
             for item in checklist(workspace) {
@@ -46,25 +47,44 @@ impl ReviewInspector {
             let review = &workspace.document().review;
             let glyph = review_glyph(cx.tokens, review);
             sign(ui, cx.tokens, glyph.icon, glyph.colour, &review_words(review));
-            ui.add_enabled_ui(workspace.is_writable(), |ui| self.decide(ui, cx, workspace));
+            ui.add_enabled_ui(workspace.is_writable(), |ui| explain(ui, self.words(review)));
         });
-        section(ui, cx, "Export", |ui, cx| export(ui, cx, workspace));
     }
 
-    fn decide(&mut self, ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
-        let width = ui.available_width();
-        primary_button(ui, cx, UiCommand::Accept, width);
-        ui.add_space(4.0);
-        let review = &workspace.document().review;
-        if !self.words.as_ref().is_some_and(|(from, _)| from == review) {
-            self.words = Some((review.clone(), words_of(review)));
+    /// The decisions and the export, which are always in sight.
+    pub(super) fn decide(&mut self, ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
+        ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
+        ui.add_enabled_ui(workspace.is_writable(), |ui| {
+            primary_button(ui, cx, UiCommand::Accept, ui.available_width());
+            self.refuse(ui, cx, workspace);
+        });
+        export(ui, cx, workspace);
+    }
+
+    /// What is being typed about the decision as it stands.
+    fn words(&mut self, review: &ReviewState) -> &mut Words {
+        if self.words.as_ref().is_some_and(|(from, _)| from != review) {
+            self.words = None;
         }
-        let Some((_, words)) = &mut self.words else { return };
-        reasons(ui, words);
-        let (reason, note) = (words.reason.trim().to_owned(), words.note.trim().to_owned());
+        let (_, words) = self.words.get_or_insert_with(|| (review.clone(), words_of(review)));
+        words
+    }
+
+    /// A reason, and what is decided for it.
+    fn refuse(&mut self, ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
+        let review = &workspace.document().review;
+        let words = self.words(review);
         let mut decision = None;
         ui.horizontal(|ui| {
-            let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
+            let width = 64.0;
+            let room = ui.available_width() - 2.0 * (width + ui.spacing().item_spacing.x);
+            let field = TextEdit::singleline(&mut words.reason)
+                .hint_text("Reason")
+                .align(egui::Align2::LEFT_CENTER)
+                .min_size(vec2(room, 24.0))
+                .desired_width(room - 8.0);
+            ui.add(field).accessible_name("Reason");
+            let (reason, note) = (words.reason.trim().to_owned(), words.note.trim().to_owned());
             let mut button = |command: UiCommand| {
                 let button = Button::new(command.text()).min_size(vec2(width, 24.0));
                 ui.add_enabled(!reason.is_empty(), button)
@@ -79,13 +99,14 @@ impl ReviewInspector {
                 decision = Some(ReviewState::Flagged { reason: reason.clone(), note: note.clone() });
             }
         });
-        if let Some(decision) = decision.filter(|decision| *decision != workspace.document().review) {
+        if let Some(decision) = decision.filter(|decision| decision != review) {
             cx.ask(Action::Change(Command::SetReview(decision)));
         }
     }
 }
 
-fn reasons(ui: &mut Ui, words: &mut Words) {
+/// Reasons at one click, and room for more.
+fn explain(ui: &mut Ui, words: &mut Words) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
         for reason in REASONS {
@@ -95,11 +116,6 @@ fn reasons(ui: &mut Ui, words: &mut Words) {
             }
         }
     });
-    let reason = TextEdit::singleline(&mut words.reason)
-        .hint_text("Reason")
-        .align(egui::Align2::LEFT_CENTER)
-        .desired_width(f32::INFINITY);
-    ui.add(reason).accessible_name("Reason");
     let note = TextEdit::multiline(&mut words.note)
         .hint_text("Note, if there is more to say")
         .desired_rows(2)
@@ -158,10 +174,15 @@ fn export(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         }
         return;
     }
-    command_button(ui, cx, UiCommand::Export);
     let tokens = cx.tokens;
+    ui.horizontal(|ui| {
+        command_button(ui, cx, UiCommand::Export);
+        if workspace.exported.is_none() {
+            hint(ui, tokens, "Now, or leave it to the batch");
+        }
+    });
     match &workspace.exported {
-        None => hint(ui, tokens, "Now, or leave it to the batch"),
+        None => {}
         Some(Ok(folder)) => {
             let path = folder.display().to_string();
             sign(ui, tokens, Icon::Check, tokens.accent, "Video, record and masks are in");
