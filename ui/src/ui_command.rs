@@ -105,6 +105,10 @@ pub enum UiCommand {
     ToggleQueue,
     /// Fold the inspector in or out.
     ToggleInspector,
+    /// Move the keyboard to the inspector's controls.
+    Controls,
+    /// Point at the picture with arrow keys and Space.
+    Aim,
     /// Dark colours.
     ThemeDark,
     /// Light colours.
@@ -321,6 +325,8 @@ const TABLE: &[Row] = &[
     row(UiCommand::ZoomOut, "Zoom out", "Zoom the picture out", &[key(NONE, Key::Minus)], Scope::Global),
     row(UiCommand::ToggleQueue, "Queue", "Fold the queue in or out", &[key(CTRL_SHIFT, Key::Q)], Scope::Global),
     row(UiCommand::ToggleInspector, "Inspector", "Fold the inspector in or out", &[key(CTRL_SHIFT, Key::I)], Scope::Global),
+    row(UiCommand::Controls, "Controls by keyboard", "Move the keyboard to the inspector's controls: Tab goes on, Escape comes back", &[key(NONE, Key::F6)], Scope::Global),
+    row(UiCommand::Aim, "Point by keyboard", "Point at the picture: arrows move a cross, Space presses there, Escape ends", &[key(NONE, Key::V)], Scope::Global),
     row(UiCommand::ThemeDark, "Dark theme", "Dark colours", &[key(CTRL_SHIFT, Key::D)], Scope::Global),
     row(UiCommand::ThemeLight, "Light theme", "Light colours", &[key(CTRL_SHIFT, Key::L)], Scope::Global),
     row(UiCommand::Larger, "Larger text", "Everything larger", &[key(CTRL, Key::Plus), key(CTRL, Key::Equals)], Scope::Global),

@@ -5,9 +5,11 @@ mod support;
 
 use agenticfocus::{
     clip::FrameIndex,
-    session::{LayerOrder, Step},
+    session::{LayerOrder, MaskLayer, Step},
 };
 use agenticfocus_ui::{inspector::layer_order_on, ui_command::UiCommand};
+use egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use support::puppet::Window;
 
 /// The window at the first frame of the sample, in `step`.
@@ -34,9 +36,10 @@ fn auto_by_key_takes_back_an_order_that_was_forced_on_more_frames() {
     let document = window.document();
     // Every range that covers a frame has its say, so none may be left that forces one here.
     let forces = |frame: u32| {
-        document.layer_orders.iter().any(|range| {
-            (range.first.0..=range.last.0).contains(&frame) && range.order != LayerOrder::Auto
-        })
+        document
+            .layer_orders
+            .iter()
+            .any(|range| (range.first.0..=range.last.0).contains(&frame) && range.order != LayerOrder::Auto)
     };
     let forced: Vec<u32> = (0..10).filter(|frame| forces(*frame)).collect();
     assert_eq!(forced, [0, 1, 2, 6, 7, 8, 9]);
@@ -72,4 +75,82 @@ fn cutting_the_template_from_here_drops_a_mask_that_was_drawn_elsewhere_and_no_o
     assert!(window.document().template.mask.is_some(), "the frame is the same");
     run(&mut window, UiCommand::TemplateAuto);
     assert_eq!((window.document().template.frame, window.document().template.mask), (None, None));
+}
+
+fn playhead(window: &Window) -> u32 {
+    window.harness.state().workspace().unwrap().playhead.0
+}
+
+fn has_keyboard(window: &Window) -> bool {
+    window.harness.ctx.memory(|memory| memory.focused().is_some())
+}
+
+#[test]
+fn tab_walks_the_steps_and_gives_no_control_the_keyboard() {
+    let mut window = window_in(Step::Object);
+    window.press(Modifiers::NONE, Key::Tab);
+    assert_eq!(window.harness.state().options().step, Step::Masks);
+    window.press(Modifiers::SHIFT, Key::Tab);
+    assert_eq!(window.harness.state().options().step, Step::Object);
+    assert!(!has_keyboard(&window));
+    // A button with the keyboard would be pressed by this.
+    window.press(Modifiers::NONE, Key::Space);
+    assert!(window.harness.state().options().playing);
+}
+
+#[test]
+fn a_control_with_the_keyboard_has_the_keys_that_work_it_until_escape() {
+    let mut window = window_in(Step::Retarget);
+    run(&mut window, UiCommand::Controls);
+    assert!(has_keyboard(&window));
+    let on_pitch = |window: &Window| {
+        let slider = window.harness.get_by_role_and_label(Role::Slider, "Pitch");
+        slider.accesskit_node().is_focused()
+    };
+    for _ in 0..12 {
+        if !on_pitch(&window) {
+            window.press(Modifiers::NONE, Key::Tab);
+        }
+    }
+    assert!(on_pitch(&window));
+    window.press(Modifiers::NONE, Key::ArrowRight);
+    assert!(window.document().retarget.camera_rotation.is_some(), "the slider moved");
+    assert_eq!((playhead(&window), window.harness.state().options().step), (0, Step::Retarget));
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!has_keyboard(&window));
+    window.press(Modifiers::NONE, Key::ArrowRight);
+    assert_eq!(playhead(&window), 1);
+}
+
+#[test]
+fn a_polygon_is_drawn_mended_and_finished_by_keyboard_alone() {
+    let mut window = window_in(Step::Masks);
+    window.harness.state_mut().look_at(FrameIndex(5), Step::Masks);
+    run(&mut window, UiCommand::LayerArms);
+    let inside = |window: &Window, x: u32, y: u32| {
+        let workspace = window.harness.state().workspace().unwrap();
+        workspace.mask_pixels(MaskLayer::Arms, FrameIndex(5)).unwrap().get(x, y)
+    };
+    assert!(!inside(&window, 170, 130) && !inside(&window, 155, 137), "nothing there before");
+    run(&mut window, UiCommand::Polygon);
+    run(&mut window, UiCommand::Aim);
+    // A square of 20 pixels from the middle of the picture on.
+    for arrow in [Key::ArrowRight, Key::ArrowDown, Key::ArrowLeft] {
+        window.press(Modifiers::NONE, Key::Space);
+        window.press(Modifiers::SHIFT, arrow);
+        window.press(Modifiers::SHIFT, arrow);
+    }
+    window.press(Modifiers::NONE, Key::Space);
+    // Its last corner goes on to the left.
+    window.harness.key_down(Key::Space);
+    window.harness.run_steps(2);
+    window.press(Modifiers::SHIFT, Key::ArrowLeft);
+    window.harness.key_up(Key::Space);
+    window.harness.run_steps(2);
+    assert_eq!(playhead(&window), 5, "arrows moved the cross");
+    run(&mut window, UiCommand::FinishShape);
+    assert!(inside(&window, 170, 130) && inside(&window, 155, 137));
+    window.press(Modifiers::NONE, Key::Escape);
+    window.press(Modifiers::NONE, Key::ArrowRight);
+    assert_eq!(playhead(&window), 6);
 }

@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use egui::{Context, Key, KeyboardShortcut, Modifiers};
+use egui::{Context, FocusDirection, Key, KeyboardShortcut, Modifiers};
 
 use super::OperatorApp;
 use crate::{
@@ -11,9 +11,14 @@ use crate::{
 };
 
 impl OperatorApp {
-    /// Commands whose keys were pressed. While somebody types, only keys with Ctrl and the palette's count.
+    /// Commands whose keys were pressed. While somebody types, only keys with Ctrl and the palette's count; while a
+    /// control has the keyboard, it has the keys that work it.
     pub(super) fn take_keys(&mut self, ctx: &Context) -> Vec<Action> {
         let typing = ctx.text_edit_focused();
+        let held = ctx.memory(|memory| memory.focused().is_some());
+        // egui has let go of a control for Escape already: that was all it meant.
+        let left = std::mem::replace(&mut self.held_keyboard, held) && !held;
+        let aims = self.canvas.is_aiming();
         let scope = Scope::Step(self.options.step);
         let dialog = self.options.palette_open || self.options.keys_open;
         let mut commands: Vec<(UiCommand, KeyboardShortcut)> = UiCommand::all()
@@ -22,6 +27,9 @@ impl OperatorApp {
             .filter(|(command, key)| {
                 let with_control = key.modifiers.command;
                 (with_control || !typing) && (with_control || !dialog || closes_dialog(*command))
+            })
+            .filter(|(command, key)| {
+                !(held && works_control(*key, aims) || left && *command == UiCommand::SelectNothing)
             })
             .collect();
         // A shortcut with more modifiers is the more special one; the step's own meaning comes before the global one.
@@ -46,17 +54,29 @@ impl OperatorApp {
             if ctx.input_mut(|input| input.consume_shortcut(&key)) {
                 actions.push(Action::Run(command));
                 if matches!(key.logical_key, Key::Tab) {
-                    // Tab walks the steps here; egui has moved its focus meanwhile.
+                    // Tab walks the steps here: it is not to move the keyboard to a control too.
                     ctx.memory_mut(|memory| {
                         if let Some(id) = memory.focused() {
                             memory.surrender_focus(id);
                         }
+                        memory.move_focus(FocusDirection::None);
                     });
                 }
             }
         }
         actions
     }
+}
+
+/// Whether a control with the keyboard, or the cross on the canvas, means something by `key` itself.
+fn works_control(key: KeyboardShortcut, aims: bool) -> bool {
+    let Modifiers { alt, command, .. } = key.modifiers;
+    let arrow = matches!(
+        key.logical_key,
+        Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown | Key::Space
+    );
+    let more = matches!(key.logical_key, Key::Tab | Key::Enter);
+    !alt && !command && (arrow || more && !aims)
 }
 
 fn closes_dialog(command: UiCommand) -> bool {

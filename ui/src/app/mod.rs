@@ -61,6 +61,8 @@ pub struct OperatorApp {
     demo: Option<PathBuf>,
     /// Whether the operator was told that closing drops changes.
     told_unsaved: bool,
+    /// Whether a control had the keyboard in the last frame.
+    held_keyboard: bool,
 }
 
 impl std::fmt::Debug for OperatorApp {
@@ -92,6 +94,7 @@ impl OperatorApp {
             memory: None,
             demo: None,
             told_unsaved: false,
+            held_keyboard: false,
         }
     }
 

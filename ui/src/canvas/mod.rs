@@ -1,5 +1,6 @@
 //! The canvas: the picture, what lies over it, and what the pointer does with it.
 
+mod aim;
 mod caption;
 mod cards;
 mod chrome;
@@ -23,6 +24,7 @@ use agenticfocus::{
 use egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, WidgetInfo, accesskit::Role, vec2};
 
 use self::{
+    aim::Aim,
     chrome::Pressed,
     input::{PointerEvent, pointer_events},
     mask_view::Look,
@@ -64,6 +66,8 @@ pub struct Canvas {
     /// The button that moves the picture, and where the pointer was last.
     panning: Option<(PointerButton, Pos2)>,
     took_space: bool,
+    /// Pointing by keyboard.
+    aim: Option<Aim>,
     /// A button was down when events were last read.
     was_down: bool,
     /// Where pictures were drawn last, and how.
@@ -116,8 +120,10 @@ impl Canvas {
             return;
         };
         let rect = Rect::from_min_max(whole.min + vec2(0.0, STRIP), whole.max - vec2(0.0, STRIP));
-        // Neither Tab nor a click moves the keyboard here: keys are commands of the whole window.
-        let response = ui.interact(rect, ui.scope_id().with("canvas"), Sense::CLICK | Sense::DRAG);
+        // Neither Tab nor a click moves the keyboard here: keys are commands of the whole window, unless one points
+        // with them.
+        let keyboard = if self.aim.is_some() { Sense::FOCUSABLE } else { Sense::empty() };
+        let response = ui.interact(rect, ui.scope_id().with("canvas"), Sense::CLICK | Sense::DRAG | keyboard);
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Canvas"));
         let inner = rect.shrink(MARGIN);
         let points = ui.ctx().pixels_per_point();
@@ -128,6 +134,11 @@ impl Canvas {
         self.pan(ui, &mut events);
         let projection = self.view.projection(inner, size, points);
         self.last = Some((inner, projection));
+        self.aim = self.aim.take().and_then(|mut aim| aim.holds_keyboard(ui, &response).then_some(aim));
+        if let Some(aim) = &mut self.aim {
+            events.extend(aim.events(ui, &projection));
+        }
+        let aimed = self.aim.map(|aim| projection.to_screen(aim.at()));
         let peeking = ui.input(|input| input.key_down(Key::H) && input.modifiers.is_none());
         let scene = Scene {
             workspace,
@@ -136,17 +147,22 @@ impl Canvas {
             painter: ui.painter_at(rect),
             rect,
             events,
-            hover: response.hover_pos().filter(|_| self.panning.is_none()),
+            hover: aimed.or_else(|| response.hover_pos().filter(|_| self.panning.is_none())),
             shift: ui.input(|input| input.modifiers.shift),
             hidden: cx.options.masks_hidden || (peeking && !ui.ctx().egui_wants_keyboard_input()),
         };
         self.draw(&scene, cx);
+        if let Some(aim) = &self.aim {
+            aim.draw(&scene.painter, &scene.projection, cx.tokens.accent);
+        }
         let points = match cx.options.step {
             Step::Object => self.object.points.as_ref(),
             Step::Masks => self.masks.points.as_ref(),
             _ => None,
         };
-        let caption = if cx.options.step == Step::Template && self.template_mask.is_on(scene.frame) {
+        let caption = if self.aim.is_some() {
+            (None, "Arrows move, Space presses, Escape ends".to_owned())
+        } else if cx.options.step == Step::Template && self.template_mask.is_on(scene.frame) {
             (None, "Left adds, right takes away, Alt and wheel size".to_owned())
         } else {
             caption::caption(cx, &scene, points, self.fresh)
@@ -165,6 +181,11 @@ impl Canvas {
     /// Whether Space moved the picture since the last call; if so, letting go of it means nothing more.
     pub fn took_space(&mut self) -> bool {
         std::mem::take(&mut self.took_space)
+    }
+
+    /// Whether keys point at the picture.
+    pub fn is_aiming(&self) -> bool {
+        self.aim.is_some()
     }
 
     /// Another session starts with a fitted view and nothing in progress.

@@ -4,6 +4,7 @@ use agenticfocus::session::{MaskLayer, Step};
 
 use super::{
     Canvas,
+    aim::Aim,
     tools::{
         object::ObjectTool,
         template::{nudged, scale, shift},
@@ -38,6 +39,11 @@ impl Canvas {
             UiCommand::OneToOne => self.view.zoom_to(1.0, rect.center(), rect, &now),
             UiCommand::ZoomIn => self.view.zoom_by_steps(1.0, rect, &now),
             UiCommand::ZoomOut => self.view.zoom_by_steps(-1.0, rect, &now),
+            UiCommand::Aim => {
+                let seen = now.picture_rect().intersect(rect);
+                self.aim =
+                    if self.is_aiming() { None } else { Some(Aim::new(now.to_picture(seen.center()))) };
+            }
             _ => return false,
         }
         self.last = Some((rect, self.view.projection(rect, now.size, now.zoom / now.scale)));

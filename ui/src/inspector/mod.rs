@@ -12,7 +12,8 @@ mod template;
 mod words;
 
 pub use edits::{
-    LayerOrderChange, choose_template_frame, layer_order_on, with_layer_order, without_layer_order, without_swap,
+    LayerOrderChange, choose_template_frame, layer_order_on, with_layer_order, without_layer_order,
+    without_swap,
 };
 pub use retarget::{Knob, SideNumbers, Turn, View, numbers_of, sparc};
 pub use review::{ChecklistItem, Verdict, checklist};
@@ -38,9 +39,16 @@ pub struct Inspector {
     template: template::TemplateInspector,
     retarget: retarget::RetargetInspector,
     review: review::ReviewInspector,
+    /// The keyboard is to go to the first control.
+    wants_keyboard: bool,
 }
 
 impl Inspector {
+    /// Gives the keyboard to the first control when it is drawn next.
+    pub fn take_keyboard(&mut self) {
+        self.wants_keyboard = true;
+    }
+
     /// Draws the inspector of the step on screen.
     pub fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(workspace) = cx.workspace else {
@@ -64,6 +72,15 @@ impl Inspector {
                 Step::Review => self.review.decide(ui, cx, workspace),
                 _ => confirm(ui, cx, workspace, step),
             });
+        if std::mem::take(&mut self.wants_keyboard) {
+            // What is drawn next and takes keys gets them.
+            ui.memory_mut(|memory| {
+                if let Some(id) = memory.focused() {
+                    memory.surrender_focus(id);
+                }
+                memory.move_focus(egui::FocusDirection::Next);
+            });
+        }
         ScrollArea::vertical().id_salt(("inspector", step)).auto_shrink(false).show(ui, |ui| {
             egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 8)).show(ui, |ui| {
                 ui.spacing_mut().item_spacing = egui::vec2(8.0, 4.0);

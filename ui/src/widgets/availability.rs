@@ -25,6 +25,7 @@ pub fn blocked_in_its_step(cx: &Context<'_>, command: UiCommand) -> Option<Strin
         | C::Keys
         | C::ToggleQueue
         | C::ToggleInspector
+        | C::Controls
         | C::ThemeDark
         | C::ThemeLight
         | C::Larger
@@ -113,6 +114,7 @@ fn needs_frames(command: UiCommand) -> bool {
             | C::PlayPause
             | C::SelectFrom
             | C::SelectTo
+            | C::Aim
             | C::Export
     ) || command.scope() != Scope::Global
 }

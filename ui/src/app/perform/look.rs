@@ -31,6 +31,10 @@ impl OperatorApp {
                     workspace.draft = None;
                 }
             }
+            C::Controls => {
+                options.inspector_open = true;
+                self.inspector.take_keyboard();
+            }
             C::ThemeDark => options.theme = ThemeChoice::Dark,
             C::ThemeLight => options.theme = ThemeChoice::Light,
             C::Larger => options.zoom = (options.zoom * ZOOM_STEP).min(2.5),

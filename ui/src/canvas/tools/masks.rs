@@ -183,7 +183,11 @@ impl MaskTools {
             PointerEvent::Move(at) => self.drag(scene.pixel(at), scene, cx),
             PointerEvent::Release { at, button } => {
                 self.drag(scene.pixel(at), scene, cx);
-                if self.edit.as_ref().is_some_and(|edit| edit.ends_with(button)) {
+                let closes = match &mut self.edit {
+                    Some(Edit { work: Work::Shape { shape, .. }, .. }) => shape.let_go(scene),
+                    _ => false,
+                };
+                if closes || self.edit.as_ref().is_some_and(|edit| edit.ends_with(button)) {
                     self.keep_shape(scene, cx);
                 }
             }
@@ -236,11 +240,7 @@ impl MaskTools {
             self.begin(Work::Shape { shape, button }, scene, cx);
             return;
         };
-        if shape.closes_at(scene, at) {
-            self.keep_shape(scene, cx);
-        } else if shape.corners.last().is_none_or(|last| last.distance(pixel) > 0.5) {
-            shape.corners.push(pixel);
-        }
+        shape.press(scene, at);
     }
 
     fn begin(&mut self, work: Work, scene: &Scene<'_>, cx: &Context<'_>) {

@@ -11,6 +11,10 @@ use crate::paint::{self, Area};
 
 /// A click this near the first corner closes a polygon, points.
 const CLOSES: f32 = 9.0;
+/// A press this near another corner takes hold of it, points.
+const HOLDS: f32 = 6.0;
+/// A corner that was moved less than this was clicked, points.
+const CLICKED: f32 = 4.0;
 
 /// What kind of shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,11 +34,13 @@ pub(in super::super) struct ShapeInProgress {
     /// Adds to the mask, or takes away from it.
     pub adding: bool,
     pub corners: Vec<Pixel>,
+    /// The corner that is being moved, and where it was.
+    held: Option<(usize, Pixel)>,
 }
 
 impl ShapeInProgress {
     pub fn new(kind: ShapeKind, adding: bool, at: Pixel) -> Self {
-        Self { kind, adding, corners: vec![at] }
+        Self { kind, adding, corners: vec![at], held: None }
     }
 
     /// Follows the pointer of a drag.
@@ -45,14 +51,42 @@ impl ShapeInProgress {
                 self.corners.push(at);
             }
             ShapeKind::Lasso => self.corners.push(at),
-            ShapeKind::Polygon => {}
+            ShapeKind::Polygon => {
+                if let Some((corner, _)) = self.held {
+                    self.corners[corner] = at;
+                }
+            }
         }
     }
 
-    /// Whether a click at `at` closes the polygon.
-    pub fn closes_at(&self, scene: &Scene<'_>, at: Pos2) -> bool {
-        let first = self.corners.first().map(|first| scene.projection.to_screen(*first));
-        self.corners.len() >= 3 && first.is_some_and(|first| first.distance(at) <= CLOSES)
+    /// A press on a polygon: takes hold of the corner there, or adds one.
+    pub fn press(&mut self, scene: &Scene<'_>, at: Pos2) {
+        self.held = self.corner_at(scene, at).map(|corner| (corner, self.corners[corner]));
+        let pixel = scene.pixel(at);
+        if self.held.is_none() && self.corners.last().is_none_or(|last| last.distance(pixel) > 0.5) {
+            self.corners.push(pixel);
+        }
+    }
+
+    /// Lets go of a corner; true where the first one was only clicked, which closes the polygon.
+    pub fn let_go(&mut self, scene: &Scene<'_>) -> bool {
+        let Some((corner, from)) = self.held.take() else { return false };
+        let place = |pixel: Pixel| scene.projection.to_screen(pixel);
+        let clicked = place(from).distance(place(self.corners[corner])) <= CLICKED;
+        if clicked {
+            self.corners[corner] = from;
+        }
+        clicked && corner == 0 && self.corners.len() >= 3
+    }
+
+    /// The corner under the pointer: the first one where it closes the polygon, else the nearest.
+    fn corner_at(&self, scene: &Scene<'_>, at: Pos2) -> Option<usize> {
+        let distance = |corner: &Pixel| scene.projection.to_screen(*corner).distance(at);
+        if self.corners.len() >= 3 && distance(&self.corners[0]) <= CLOSES {
+            return Some(0);
+        }
+        let near = self.corners.iter().map(distance).enumerate().filter(|(_, distance)| *distance <= HOLDS);
+        near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(corner, _)| corner)
     }
 
     /// Puts the shape into a mask.
@@ -75,12 +109,18 @@ impl ShapeInProgress {
             return;
         }
         if self.kind == ShapeKind::Polygon {
-            let closing = scene.hover.is_some_and(|at| self.closes_at(scene, at));
+            let under = scene.hover.and_then(|at| self.corner_at(scene, at));
+            let lit = self.held.map(|(corner, _)| corner).or(under);
             let fixed = points.clone();
-            points.extend(if closing { points.first().copied() } else { scene.hover });
+            points.extend(match lit {
+                // A click closes the polygon.
+                Some(0) if self.held.is_none() && fixed.len() >= 3 => fixed.first().copied(),
+                Some(_) => None,
+                None => scene.hover,
+            });
             shapes::rimmed_line(painter, &points, false, style);
             for (at, corner) in fixed.iter().enumerate() {
-                shapes::handle(painter, *corner, colour, at == 0 && closing);
+                shapes::handle(painter, *corner, colour, lit == Some(at));
             }
         } else {
             shapes::rimmed_line(painter, &points, true, style);

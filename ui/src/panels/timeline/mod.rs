@@ -9,7 +9,7 @@ mod transport;
 mod words;
 
 use agenticfocus::clip::FrameIndex;
-use egui::{Modifiers, Rangef, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{EventFilter, Modifiers, Rangef, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 pub use runs::{HandRow, MaskKind, MaskRow, OrderKind, RowCache, Rows, Run, TemplateRow};
 pub use scale::Scale;
@@ -88,6 +88,7 @@ impl Timeline {
         let mut scale = self.scale(x, workspace);
         scale = self.zoom(ui, &response, scale, workspace.playhead);
         self.drag(ui, cx, &response, &scale);
+        step_by_keys(ui, cx, &response);
         describe(&response, workspace);
         if ui.is_rect_visible(rect) {
             let rows = self.rows.rows(workspace);
@@ -176,6 +177,21 @@ impl Timeline {
                 ui.vertical(|ui| words::show(ui, cx.tokens, workspace, frame));
             });
         });
+    }
+}
+
+/// With the keyboard the timeline keeps the keys that step through frames, which controls have elsewhere.
+fn step_by_keys(ui: &Ui, cx: &mut Context<'_>, response: &Response) {
+    if !response.has_focus() {
+        return;
+    }
+    let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    // Those with more modifiers first: they are the more special ones.
+    for command in [UiCommand::BackTen, UiCommand::OnTen, UiCommand::PreviousFrame, UiCommand::NextFrame] {
+        if ui.input_mut(|input| input.consume_shortcut(&command.keys()[0])) {
+            cx.ask(Action::Run(command));
+        }
     }
 }
 
