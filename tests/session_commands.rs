@@ -30,6 +30,7 @@ impl Model {
     fn document(&self) -> Document {
         let mut document = self.states[self.at].clone();
         document.proposals.clone_from(&self.found.proposals);
+        document.object_answer.clone_from(&self.found.object_answer);
         document.clip.content_hash.clone_from(&self.found.clip.content_hash);
         document
     }

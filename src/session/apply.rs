@@ -6,6 +6,7 @@ use nalgebra::Matrix3;
 
 use super::{
     Command, Document, HandEdit, MaskEdit, MaskLayer, ObjectPromptKind, ObjectProposal, RetargetSettings,
+    Said,
 };
 use crate::{
     clip::{CameraSpec, FrameIndex},
@@ -51,6 +52,13 @@ impl Document {
             Command::SetProposals(list) => {
                 list.iter().try_for_each(check_object)?;
                 Command::SetProposals(replace(&mut self.proposals, list))
+            }
+            Command::SetObjectAnswer(answer) => {
+                if let Some(Said::Object(object)) = answer.as_ref().map(|answer| &answer.said) {
+                    check_object(object)?;
+                }
+                let before = replace(&mut self.object_answer, answer.map(|answer| *answer));
+                Command::SetObjectAnswer(before.map(Box::new))
             }
             Command::SetObject(choice) => {
                 choice.iter().try_for_each(check_object)?;

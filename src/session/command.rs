@@ -4,8 +4,8 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    HandEdit, LayerOrderRange, MaskEdit, MaskId, MaskLayer, MaskReach, ObjectChoice, ObjectProposal,
-    RetargetSettings, ReviewState, SidesSwapped, Step,
+    HandEdit, LayerOrderRange, MaskEdit, MaskId, MaskLayer, MaskReach, ObjectAnswer, ObjectChoice,
+    ObjectProposal, RetargetSettings, ReviewState, SidesSwapped, Step,
 };
 use crate::{
     clip::{CameraSpec, FrameIndex},
@@ -37,6 +37,8 @@ pub enum Command {
     SetCamera(CameraSpec),
     /// The ranked proposals.
     SetProposals(Vec<ObjectProposal>),
+    /// What a model answered that was asked for the object.
+    SetObjectAnswer(Option<Box<ObjectAnswer>>),
     /// The chosen object.
     SetObject(Option<ObjectChoice>),
     /// What a person says about a mask; `None` leaves the frame to the machine again.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use super::{Author, MaskId, RetargetSettings, Step};
+use super::{Author, MaskId, ObjectAnswer, RetargetSettings, Step};
 use crate::{
     clip::{CameraSpec, FrameIndex, Rotation},
     geometry::{PerSide, Pixel, PixelBox},
@@ -212,6 +212,9 @@ pub struct Document {
     pub camera: CameraSpec,
     /// Objects that were proposed, best first.
     pub proposals: Vec<ObjectProposal>,
+    /// What a model answered that was asked for the object.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object_answer: Option<ObjectAnswer>,
     /// The object that was chosen.
     pub object: Option<ObjectChoice>,
     /// Masks a person made of the object.

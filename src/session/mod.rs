@@ -14,6 +14,7 @@ mod history;
 mod journal;
 mod lock;
 mod mask_store;
+mod object_answer;
 mod settings;
 mod step;
 
@@ -30,6 +31,7 @@ pub use history::{Entry, History};
 pub use journal::{JournalLine, parse_journal};
 pub use lock::{LockHolder, SessionLock};
 pub use mask_store::{MaskId, MaskStore};
+pub use object_answer::{ObjectAnswer, Said};
 pub use settings::RetargetSettings;
 pub use step::Step;
 

@@ -8,14 +8,15 @@ use agenticfocus::{
     retarget::{Beta, CameraAngles, CameraRotation, Smoothing, WristTurn},
     session::{
         Author, Command, Entry, HandEdit, LayerOrder, LayerOrderRange, MaskEdit, MaskId, MaskLayer,
-        MaskReach, ObjectPromptKind, ObjectProposal, RetargetSettings, ReviewState, SidesSwapped, Step,
+        MaskReach, ObjectAnswer, ObjectPromptKind, ObjectProposal, RetargetSettings, ReviewState, Said,
+        SidesSwapped, Step,
     },
 };
 use nalgebra::Matrix3;
 use proptest::{option, prelude::*};
 
 /// Kinds of commands.
-pub const KINDS: usize = 19;
+pub const KINDS: usize = 20;
 
 /// Which kind: a new one does not compile until it is drawn here.
 pub fn kind(command: &Command) -> usize {
@@ -39,6 +40,7 @@ pub fn kind(command: &Command) -> usize {
         Command::Together(_) => 16,
         Command::SetReach { .. } => 17,
         Command::SetInterpolated { .. } => 18,
+        Command::SetObjectAnswer(_) => 19,
     }
 }
 
@@ -82,6 +84,25 @@ fn proposal() -> impl Strategy<Value = ObjectProposal> {
             confidence,
             reason,
             author,
+        },
+    )
+}
+
+fn object_answer() -> impl Strategy<Value = ObjectAnswer> {
+    let said = prop_oneof![
+        proposal().prop_map(Said::Object),
+        text().prop_map(Said::Nothing),
+        text().prop_map(Said::Unusable),
+    ];
+    let texts = prop::collection::vec(text(), 0..3);
+    (text(), text(), text(), prop::collection::vec(frame(), 0..5), texts, said).prop_map(
+        |(request, model, profile, frames, raw, said)| ObjectAnswer {
+            request,
+            model,
+            profile,
+            frames,
+            raw,
+            said,
         },
     )
 }
@@ -211,6 +232,7 @@ pub fn machine_command() -> BoxedStrategy<Command> {
     nested(prop_oneof![
         "[0-9a-f]{8}".prop_map(Command::SetContentHash),
         prop::collection::vec(proposal(), 0..3).prop_map(Command::SetProposals),
+        option::of(object_answer()).prop_map(|answer| Command::SetObjectAnswer(answer.map(Box::new))),
     ])
 }
 
@@ -245,7 +267,16 @@ pub fn refused_command() -> impl Strategy<Value = Command> {
         positive: vec![Pixel::new(1.0, 1.0)],
         negative: vec![Pixel::new(0.0, y)],
     };
+    let answer = |object: ObjectProposal| ObjectAnswer {
+        request: String::new(),
+        model: String::new(),
+        profile: String::new(),
+        frames: Vec::new(),
+        raw: Vec::new(),
+        said: Said::Object(object),
+    };
     prop::sample::select(vec![
+        Command::SetObjectAnswer(Some(Box::new(answer(object(0.5, bounds(f64::NAN)))))),
         Command::SetObject(Some(object(0.5, bounds(f64::NAN)))),
         Command::SetObject(Some(object(0.5, beside(f64::NEG_INFINITY)))),
         Command::SetProposals(vec![object(0.5, bounds(0.0)), object(f64::NAN, bounds(0.0))]),
