@@ -1,4 +1,4 @@
-//! Which object: contact motion, operator, later a VLM behind the same trait.
+//! Which object: contact motion, the operator or a vision-language model, behind one trait.
 
 mod arm_colours;
 mod change;
@@ -14,12 +14,13 @@ mod scene;
 #[cfg(test)]
 mod tests;
 mod timeline;
+pub mod vlm;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
     clip::{FrameError, FrameIndex, FrameSource},
-    geometry::{PixelBox, Size},
+    geometry::{Pixel, PixelBox, Size},
     landmarks::LandmarkTrack,
     progress::{Cancelled, Watch},
     segment::MaskTrack,
@@ -36,6 +37,9 @@ pub struct Proposal {
     pub frame: FrameIndex,
     /// The object's box, pixels of the clip.
     pub bounds: PixelBox,
+    /// A point on it, where that is all the selector can say; the box is then only what lies around.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point: Option<Pixel>,
     /// What it is called; `object` where the selector cannot name it.
     pub label: String,
     /// Trust, 0 to 1.
@@ -84,6 +88,9 @@ pub enum SelectError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// A model gave no answer.
+    #[error(transparent)]
+    Model(#[from] vlm::VlmError),
     /// An input made for another clip.
     #[error("{what} covers {found} frames, the clip has {expected}")]
     Mismatch {

@@ -25,6 +25,7 @@ impl ObjectSelector for OperatorSelector {
         Ok(vec![Proposal {
             frame: self.frame,
             bounds,
+            point: None,
             label: self.label.clone(),
             confidence: 1.0,
             reason: "given by the operator".to_owned(),

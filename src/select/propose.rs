@@ -129,6 +129,7 @@ fn ranked(candidates: &[Candidate], boxes: &[Option<PixelBox>], params: &SelectP
         kept.push(Proposal {
             frame: FrameIndex(candidate.index as u32),
             bounds: *bounds,
+            point: None,
             label: "object".to_owned(),
             confidence: candidate.score.clamp(0.0, 1.0),
             reason: candidate.reason.clone(),
