@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use super::vlm::VlmArguments;
 use crate::pipeline::batch::Shard;
 
 /// Turns first-person video of human hands into demonstrations for a Unitree G1 with BrainCo hands
@@ -38,6 +39,8 @@ Examples:
       One video. Its object is proposed from contact motion, and the clip is marked for review.
   agenticfocus --batch clips/manifest.toml --out out --jobs 2
       A list of clips with object prompts, intrinsics, hand tracks and parameters.
+  agenticfocus --batch kitchen.mp4 --out out --vlm-url http://localhost:8000/v1 --vlm-model qwen2.5vl:7b
+      The same, with the object proposed by a vision-language model that is shown up to four frames.
   agenticfocus --batch out/kitchen.afs --out final
       A session: every human edit in it is obeyed.
   agenticfocus --batch clips.jsonl --out out --shard 3/16
@@ -57,6 +60,7 @@ Manifest (TOML; JSON Lines takes the same keys, one clip a line):
   params = { beta = \"fit\", alpha = 0.5, T_offset = [0.0576, 0.0, 0.4299], R_cam = { pitch_deg = 47.6 } }
                                   also smoothing = \"zero_phase\", \"ema\" or \"none\", and
                                   wrist = { right = { roll_deg = 2.0, pitch_deg = -3.0, yaw_deg = 0.0 } }
+  vlm = { mode = \"live\", model = \"qwen2.5vl:7b\", profile = \"abs-xyxy\" }   each may be left out; not the address
   start = 1.0                     seconds
   end = 9.5
 
@@ -97,6 +101,8 @@ pub(super) struct BatchArguments {
     /// Go on where an earlier run stopped (always on; accepted for clarity)
     #[arg(long, hide_short_help = true)]
     pub(super) resume: bool,
+    #[command(flatten)]
+    pub(super) vlm: VlmArguments,
 }
 
 /// The subcommands.
@@ -153,6 +159,8 @@ pub(super) enum Verb {
         /// Write every frame's layers without loss
         #[arg(long)]
         layers: bool,
+        #[command(flatten)]
+        vlm: VlmArguments,
         /// The batch's output folder
         out: PathBuf,
     },

@@ -20,9 +20,14 @@ pub(super) fn run(arguments: &BatchArguments) -> Outcome {
     let jobs = jobs_from_inputs(&arguments.batch).map_err(|error| Failure::new(ExitCode::Usage, error))?;
     let shard = arguments.shard.unwrap_or_default();
     let jobs: Vec<ClipJob> = jobs.into_iter().filter(|job| shard.contains(&job.id)).collect();
+    let settings = arguments.vlm.installation().vlm;
+    for job in &jobs {
+        settings.plan(&job.vlm).map_err(|error| Failure::new(ExitCode::Usage, error))?;
+    }
     let at_a_time = usize::from(arguments.jobs);
     let mut worker = worker_arguments(at_a_time.min(jobs.len()));
     worker.extend(arguments.layers.then(|| "--layers".to_owned()));
+    worker.extend(arguments.vlm.words());
     let summary = run_jobs(&jobs, out, worker, at_a_time)?;
     if arguments.json {
         let text = serde_json::to_string_pretty(&summary)

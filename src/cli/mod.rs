@@ -10,6 +10,7 @@ mod robot;
 mod status;
 mod synth;
 mod ui;
+mod vlm;
 mod worker;
 
 use std::process::ExitCode as ProcessExit;
@@ -78,8 +79,8 @@ fn dispatch(arguments: Arguments) -> Outcome {
         Some(Verb::Bench(arguments)) => bench::run(&arguments),
         Some(Verb::Robot { verb }) => robot::run(&verb),
         Some(Verb::Ui { input }) => ui::run(input.as_deref()),
-        Some(Verb::ClipWorker { threads, keep_frames, layers, out }) => {
-            worker::run(&out, threads, RunOptions { keep_frames, layers })
+        Some(Verb::ClipWorker { threads, keep_frames, layers, vlm, out }) => {
+            worker::run(&out, threads, RunOptions { keep_frames, layers }, &vlm.installation())
         }
         Some(Verb::Doctor { json }) => doctor::run(json),
         Some(Verb::Status { out, json }) => status::run(&out, json),

@@ -13,7 +13,7 @@ use crate::pipeline::{
     run_clip,
 };
 
-pub(super) fn run(out: &Path, threads: usize, options: RunOptions) -> Outcome {
+pub(super) fn run(out: &Path, threads: usize, options: RunOptions, installation: &Installation) -> Outcome {
     // Without its batch nobody would hear the result: end with it.
     rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))
         .map_err(std::io::Error::from)?;
@@ -26,7 +26,7 @@ pub(super) fn run(out: &Path, threads: usize, options: RunOptions) -> Outcome {
     let job: ClipJob = serde_json::from_slice(&text).map_err(|error| Failure::new(ExitCode::Usage, error))?;
     let cancel = cancel_on_signals()?;
     let speaker = Speaker { out: Mutex::new(std::io::stdout()) };
-    let result = run_clip(&job, out, &Installation::locate(), options, &speaker, &cancel);
+    let result = run_clip(&job, out, installation, options, &speaker, &cancel);
     let (outcome, skipped) = match result {
         Ok(run) => (run.outcome, run.skipped),
         Err(failure) => (failed(&job, out, failure)?, false),

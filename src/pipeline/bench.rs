@@ -22,6 +22,7 @@ use crate::{
     render::{LayerRequest, RobotRenderParams, RobotRenderer},
     retarget::score_ik,
     robot::RobotModel,
+    select::vlm::VlmWish,
     session::{ClipReference, Document, RetargetSettings},
     synth::{Episode, EpisodeSpec, generate},
 };
@@ -125,7 +126,7 @@ pub fn episode_job(episode: &Episode, id: &str) -> Result<ClipJob, bench::BenchE
         points: Vec::new(),
         negative: Vec::new(),
     });
-    Ok(ClipJob { id: id.to_owned(), session: None, document, object })
+    Ok(ClipJob { id: id.to_owned(), session: None, document, object, vlm: VlmWish::default() })
 }
 
 struct WorkerRun {

@@ -7,7 +7,10 @@ use std::{
 
 use serde::Serialize;
 
-use crate::render::{self, DeviceChoice};
+use crate::{
+    render::{self, DeviceChoice},
+    select::vlm::{VlmPlan, VlmSettings, VlmWish},
+};
 
 /// The parts the pipeline finds at run time.
 #[derive(Clone, Debug)]
@@ -16,6 +19,8 @@ pub struct Installation {
     pub dependencies: PathBuf,
     /// The user's data folder: imported robots, later model weights.
     pub data: PathBuf,
+    /// The vision-language model that may be asked for objects.
+    pub vlm: VlmSettings,
 }
 
 /// One part as `doctor` shows it.
@@ -57,6 +62,7 @@ impl Installation {
         Self {
             dependencies: found.unwrap_or_else(|| PathBuf::from(".deps")),
             data: data.join("agenticfocus"),
+            vlm: VlmSettings::from_environment(|name| std::env::var(name).ok()),
         }
     }
 
@@ -115,6 +121,18 @@ impl Installation {
         ]
     }
 
+    /// Who proposes objects.
+    fn selector(&self) -> String {
+        let contact = "contact motion (a manifest's or operator's prompt wins)";
+        match self.vlm.plan(&VlmWish::default()) {
+            Ok(VlmPlan::Ask(server)) => {
+                format!("{} at {}, beside {contact}", server.backend(), server.url.host())
+            }
+            Ok(_) => contact.to_owned(),
+            Err(error) => format!("{contact}; no model: {error}"),
+        }
+    }
+
     /// Which back end each stage would use with the parts that were found.
     pub fn stage_backends(&self, parts: &[PartReport]) -> Vec<StageBackend> {
         let has = |name| parts.iter().any(|part| part.name == name && part.found.is_some());
@@ -122,7 +140,7 @@ impl Installation {
         let row = |stage, backend| StageBackend { stage, backend };
         vec![
             row("clip", either(has("ffmpeg"), "ffmpeg", "unavailable: ffmpeg is missing")),
-            row("select", "contact motion (a manifest's or operator's prompt wins)".to_owned()),
+            row("select", self.selector()),
             row("segment", "classical: dense flow, colour models, graph cuts".to_owned()),
             row("template", "clean frame of the clip".to_owned()),
             row("inpaint", "temporal background plate".to_owned()),

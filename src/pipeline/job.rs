@@ -8,7 +8,10 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{Manifest, ManifestClip, ManifestError, ManifestObject, retarget_settings};
-use crate::session::{ClipReference, Document};
+use crate::{
+    select::vlm::VlmWish,
+    session::{ClipReference, Document},
+};
 
 /// An object as a manifest points at it: pixels as decoded, a frame of the source's own rate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +39,9 @@ pub struct ClipJob {
     pub document: Document,
     /// The manifest's object.
     pub object: Option<RawObjectPrompt>,
+    /// What the manifest says about asking a model for the object.
+    #[serde(default)]
+    pub vlm: VlmWish,
 }
 
 /// Why inputs were refused before any work began.
@@ -146,13 +152,20 @@ fn check_id(id: &str) -> Result<(), JobError> {
 
 fn session_job(path: &Path) -> ClipJob {
     let document = Document::default();
-    ClipJob { id: id_from(path), session: Some(path.to_owned()), document, object: None }
+    ClipJob {
+        id: id_from(path),
+        session: Some(path.to_owned()),
+        document,
+        object: None,
+        vlm: VlmWish::default(),
+    }
 }
 
 fn clip_job(path: &Path) -> ClipJob {
     let id = id_from(path);
     let clip = ClipReference { id: id.clone(), path: absolute(path), ..ClipReference::default() };
-    ClipJob { id, session: None, document: Document { clip, ..Document::default() }, object: None }
+    let document = Document { clip, ..Document::default() };
+    ClipJob { id, session: None, document, object: None, vlm: VlmWish::default() }
 }
 
 fn manifest_job(manifest: &Path, folder: &Path, clip: &ManifestClip) -> Result<ClipJob, JobError> {
@@ -183,7 +196,8 @@ fn manifest_job(manifest: &Path, folder: &Path, clip: &ManifestClip) -> Result<C
         document.hand_track = Some(absolute(&folder.join(track)));
     }
     let object = clip.object.as_ref().map(raw_prompt).transpose().map_err(refuse)?;
-    Ok(ClipJob { id: id.clone(), session: None, document, object })
+    let vlm = clip.vlm.clone().unwrap_or_default();
+    Ok(ClipJob { id: id.clone(), session: None, document, object, vlm })
 }
 
 fn check_times(clip: &ManifestClip) -> Result<(), String> {

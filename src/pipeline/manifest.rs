@@ -11,6 +11,7 @@ use crate::{
     clip::{CameraSpec, Rotation},
     geometry::PerSide,
     retarget::{Beta, CameraAngles, CameraRotation, Smoothing, WristTurn},
+    select::vlm::VlmWish,
     session::RetargetSettings,
 };
 
@@ -44,6 +45,8 @@ pub struct ManifestClip {
     pub hands: Option<ManifestHands>,
     /// Retargeting.
     pub params: Option<ManifestParams>,
+    /// `vlm = { mode, model, profile }`: asking a model for the object. Not where it is: that is the command line's.
+    pub vlm: Option<VlmWish>,
     /// First second to use.
     pub start: Option<f64>,
     /// Last second to use.

@@ -10,6 +10,7 @@ use super::{Key, Stage};
 use crate::{
     clip::{ClipRequest, StandardClip},
     robot::RobotModel,
+    session::ObjectAnswer,
 };
 
 /// An artifact of any type, by the key of what went into it.
@@ -21,7 +22,12 @@ pub struct Memory {
     clip: Mutex<Option<(ClipRequest, Arc<StandardClip>)>>,
     artifacts: Mutex<BTreeMap<(Stage, TypeId), Kept>>,
     robot: Mutex<Option<RobotModel>>,
+    model_word: Mutex<Option<(String, ModelWord)>>,
+    model_line: Mutex<String>,
 }
+
+/// What a vision-language model answered, or why it was not asked.
+type ModelWord = Result<ObjectAnswer, String>;
 
 impl Memory {
     /// The clip that was decoded for this very request.
@@ -48,6 +54,25 @@ impl Memory {
     /// Keeps a decoded clip, and forgets the one before it.
     pub(super) fn keep_clip(&self, request: ClipRequest, clip: &Arc<StandardClip>) {
         *self.clip.lock().unwrap_or_else(PoisonError::into_inner) = Some((request, Arc::clone(clip)));
+    }
+
+    /// What came of this very question to a model: asked in vain, it is not asked again at every change.
+    pub(super) fn model_word(&self, question: &str) -> Option<ModelWord> {
+        let word = self.model_word.lock().unwrap_or_else(PoisonError::into_inner);
+        word.as_ref().filter(|(known, _)| known == question).map(|(_, word)| word.clone())
+    }
+
+    /// Keeps what came of a question to a model, and forgets the one before it.
+    pub(super) fn keep_model_word(&self, question: String, word: ModelWord) {
+        *self.model_word.lock().unwrap_or_else(PoisonError::into_inner) = Some((question, word));
+    }
+
+    /// Whether `line`, about a model, is another one than the last: every change of a document comes to it again.
+    pub(super) fn is_news(&self, line: &str) -> bool {
+        let mut last = self.model_line.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_news = *last != line;
+        line.clone_into(&mut last);
+        is_news
     }
 
     /// The artifact of `stage`, if it is the one that `key` names.

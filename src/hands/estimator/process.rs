@@ -18,6 +18,7 @@ use crate::{
     clip::FrameIndex,
     hands::{HandsError, detection::Detection},
     image::Rgb8,
+    select::vlm::KEY_VARIABLE,
 };
 
 /// How to run a hand estimator.
@@ -80,6 +81,8 @@ impl EstimatorProcess {
         let missing = || std::io::Error::other("no pipe");
         let mut child = Command::new(&command.program)
             .args(&command.args)
+            // It may be anybody's script, and what it writes is quoted.
+            .env_remove(KEY_VARIABLE)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -23,6 +23,8 @@ pub(super) struct Context<'a> {
     pub(super) listener: &'a dyn Listener,
     pub(super) cancel: &'a AtomicBool,
     pub(super) progress: Progress,
+    /// Whether a model was to be asked for the object and could not be.
+    pub(super) unasked: bool,
     /// Seconds from the start of each stage to its end; stages that run side by side share them.
     pub(super) timings: Mutex<Vec<(Stage, f64)>>,
 }

@@ -4,8 +4,10 @@ mod context;
 mod edits;
 mod export;
 mod frame;
+mod inputs;
 mod layer_files;
 mod layers;
+mod model;
 mod move_robot;
 mod pixels;
 mod prepare;
@@ -15,7 +17,6 @@ mod stills;
 mod understand;
 
 use std::{
-    collections::BTreeSet,
     path::Path,
     sync::{Arc, Mutex, atomic::AtomicBool},
     thread,
@@ -24,7 +25,7 @@ use std::{
 use super::{
     Cache, ClipFailure, ClipJob, Decisions, ExitCode, Installation, Key, Listener, Memory, Stage,
     batch::{ClipOutcome, ClipState, read_outcome},
-    reporter::{Progress, StageWatch},
+    reporter::Progress,
 };
 use crate::{
     clip::{FrameSource as _, StandardClip},
@@ -38,6 +39,7 @@ use crate::{
 };
 use context::Context;
 use export::Parts;
+use inputs::Inputs;
 
 pub(crate) use frame::{FramePixels, compose_frame, layers_of, render_robot, robot_renderer};
 pub use layers::shown_arms;
@@ -102,6 +104,7 @@ pub fn understand_document(
         listener,
         cancel,
         progress: Progress::default(),
+        unasked: false,
         timings: Mutex::default(),
     };
     understand(job, &mut context, decisions)
@@ -122,6 +125,7 @@ fn new_context<'a>(
         listener,
         cancel,
         progress: Progress::default(),
+        unasked: false,
         timings: Mutex::default(),
     })
 }
@@ -140,12 +144,10 @@ pub fn run_clip(
     cancel: &AtomicBool,
 ) -> Result<ClipRun, ClipFailure> {
     let mut session = prepare::open_session(job, out, listener)?;
-    let mut inputs = inputs_key(job, &session, installation, cancel, listener)?;
-    if options.layers {
-        inputs = Key::new(Stage::Export, &[&inputs], &"layers")?;
-    }
+    let inputs = Inputs::read(&session, installation, options, cancel, listener)?;
+    let key = inputs.key(job, session.document(), installation, false)?;
     if let ClipState::Done(outcome) = read_outcome(&out.join(&job.id))?
-        && outcome.inputs == inputs.as_str()
+        && outcome.inputs == key.as_str()
     {
         return Ok(ClipRun { outcome, skipped: true });
     }
@@ -190,15 +192,17 @@ fn work(
     (out, options): (&Path, RunOptions),
     context: &mut Context<'_>,
     session: &mut Session,
-    inputs: &Key,
+    inputs: &Inputs,
 ) -> Result<ClipOutcome, ClipFailure> {
     let found = understand(job, context, session)?;
+    // Of what is known now: the same line finds the same.
+    let key = inputs.key(job, &context.document, context.installation, context.unasked)?;
     let outcome = ClipOutcome {
         id: job.id.clone(),
         exit: ExitCode::Done,
         stage: None,
         message: None,
-        inputs: inputs.as_str().to_owned(),
+        inputs: key.as_str().to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         frames: Some(found.clip.frame_count()),
         flags: clip_flags(context, &found),
@@ -281,55 +285,6 @@ fn remember_hash(
         context.listener.note("the video file has changed since the last run");
     }
     context.decide(decisions, Author::Machine("clip".to_owned()), Command::SetContentHash(hash.to_owned()))
-}
-
-/// A session with a person's edits stays with the file it was made from.
-fn check_hash(session: &Session, hash: &str) -> Result<(), ClipFailure> {
-    let clip = &session.document().clip;
-    if clip.content_hash.is_empty() || clip.content_hash == hash || session.human_edits() == 0 {
-        return Ok(());
-    }
-    Err(ClipFailure::bad_input(format_args!(
-        "{} is not the file this session was made from (its content differs): restore it, or start a new session",
-        clip.path
-    ))
-    .in_stage(Stage::Clip))
-}
-
-/// The hash of everything that decides about the result and is known before any work.
-fn inputs_key(
-    job: &ClipJob,
-    session: &Session,
-    installation: &Installation,
-    cancel: &AtomicBool,
-    listener: &dyn Listener,
-) -> Result<Key, ClipFailure> {
-    let progress = Progress::default();
-    let watch = StageWatch::new(Stage::Clip, &progress, listener, cancel);
-    let document = session.document();
-    let hash = crate::clip::content_hash(Path::new(&document.clip.path), &watch)
-        .map_err(|error| ClipFailure::from(error).in_stage(Stage::Clip))?;
-    check_hash(session, &hash)?;
-    let mut decided = Document {
-        proposals: Vec::new(),
-        confirmed: BTreeSet::new(),
-        review: ReviewState::Unreviewed,
-        ..document.clone()
-    };
-    decided.clip.content_hash = hash;
-    decided.clip.path.clear();
-    // What the machine or the manifest chose follows from the other inputs.
-    decided.object = decided.object.filter(|object| object.author == Author::Human);
-    let track = match &decided.hand_track {
-        Some(path) => Some(blake3::hash(&std::fs::read(path).map_err(|error| {
-            ClipFailure::bad_input(format_args!("cannot read the hand track {path}: {error}"))
-                .in_stage(Stage::Landmarks)
-        })?)),
-        None => None,
-    };
-    let track = track.map(|hash| hash.to_hex().to_string());
-    let robot = move_robot::robot_identity(installation)?;
-    Ok(Key::new(Stage::Export, &[], &(decided, &job.object, track, robot))?)
 }
 
 fn clip_flags(context: &Context<'_>, found: &Understood) -> Vec<String> {

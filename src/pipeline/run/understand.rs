@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     context::Context,
     edits::{human_masks, landmarks_with_keypoints, landmarks_with_sides},
+    model,
     source::standard_prompt,
 };
 use crate::{
@@ -168,25 +169,31 @@ pub(super) fn choose_object(
         // A person drew the object without naming it: their masks say enough.
         return Ok(None);
     }
+    let word = model::word(context, decisions, job, clip, landmarks, &arms.0.union)?;
     let params = SelectParams::default();
     let (proposals, _) =
         context.cached_stage(Stage::Select, &[arms.1], &params, ExitCode::Internal, |watch| {
             select::propose(clip, landmarks, &arms.0.union, &params, watch)
         })?;
-    let proposals: Vec<ObjectChoice> = proposals.iter().map(as_choice).collect();
+    // A model names what it sees; what moves with the hands stays beside it.
+    let proposals: Vec<ObjectChoice> =
+        word.object.into_iter().chain(proposals.iter().map(as_choice)).collect();
     let best = proposals.first().cloned();
     let reason = match &best {
         Some(best) => {
-            format!("the object was proposed by contact motion ({:.2}): {}", best.confidence, best.reason)
+            let (by, confidence) = (proposer(&best.author), best.confidence);
+            format!("the object was proposed by {by} ({confidence:.2}): {}", best.reason)
         }
         None => "no object was found that moves with a hand".to_owned(),
     };
     context.listener.note(&reason);
+    let reason = word.excuse.map_or(reason.clone(), |excuse| format!("{excuse}; {reason}"));
     if context.document.object != best || context.document.proposals != proposals {
         let machine =
             best.as_ref().map_or(Author::Machine("contact motion".to_owned()), |best| best.author.clone());
         let mut commands = vec![Command::SetProposals(proposals), Command::SetObject(best.clone())];
-        if context.document.review == ReviewState::Unreviewed {
+        // What a person said about the clip stays.
+        if matches!(context.document.review, ReviewState::Unreviewed | ReviewState::NeedsReview { .. }) {
             commands.push(Command::SetReview(ReviewState::NeedsReview { reason }));
         }
         context.decide(decisions, machine, Command::Together(commands))?;
@@ -194,11 +201,23 @@ pub(super) fn choose_object(
     Ok(best)
 }
 
+/// Who proposed something, in words.
+fn proposer(author: &Author) -> &str {
+    match author {
+        Author::Machine(name) => name,
+        Author::Human => "a person",
+        Author::Manifest => "the manifest",
+    }
+}
+
 fn as_choice(proposal: &select::Proposal) -> ObjectChoice {
     ObjectChoice {
         label: proposal.label.clone(),
         frame: proposal.frame,
-        prompt: ObjectPromptKind::Box(proposal.bounds),
+        prompt: match proposal.point {
+            Some(at) => ObjectPromptKind::Points { positive: vec![at], negative: Vec::new() },
+            None => ObjectPromptKind::Box(proposal.bounds),
+        },
         confidence: proposal.confidence,
         reason: proposal.reason.clone(),
         author: Author::Machine(proposal.backend.clone()),
