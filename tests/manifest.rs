@@ -7,6 +7,7 @@ use agenticfocus::{
     clip::{CameraSpec, Rotation},
     pipeline::{ClipJob, jobs_from_inputs},
     retarget::{Beta, CameraRotation, Smoothing, WristTurn},
+    select::vlm::{Profile, VlmMode},
 };
 
 fn jobs(name: &str, text: &str) -> Result<Vec<ClipJob>, String> {
@@ -26,6 +27,7 @@ object = { label = "block T", frame = 3, box = [920, 214, 1026, 320] }
 camera = { hfov_deg = 60.0 }
 hands = { track = "hands.npz", length_mm = 180 }
 params = { beta = "fit", alpha = 0.4, T_offset = [0.05, 0.0, 0.43], R_cam = { pitch_deg = 30.0 }, smoothing = "ema", wrist = { right = { yaw_deg = -6.0 } } }
+vlm = { mode = "live", model = "some-vlm", profile = "abs-xyxy" }
 start = 1.0
 end = 2.5
 "#;
@@ -56,6 +58,18 @@ fn every_key_of_the_schema_arrives_in_the_document() {
     let object = job.object.as_ref().unwrap();
     assert_eq!((object.label.as_str(), object.source_frame), ("block T", 3));
     assert_eq!(object.bounds, Some([920.0, 214.0, 1026.0, 320.0]));
+    let wish = (job.vlm.mode, job.vlm.model.as_deref(), job.vlm.profile);
+    assert_eq!(wish, (Some(VlmMode::Live), Some("some-vlm"), Some(Profile::AbsXyxy)));
+}
+
+#[test]
+fn a_manifest_cannot_say_where_pictures_and_the_key_are_sent() {
+    let clip = "[[clip]]\npath = \"a.mp4\"\n";
+    for key in ["url = \"http://elsewhere/v1\"", "key = \"canary\""] {
+        let error = jobs("m.toml", &format!("{clip}vlm = {{ {key} }}\n")).unwrap_err();
+        assert!(error.contains(":3:") && error.contains("unknown field"), "{error}");
+        assert!(!error.contains("canary"), "{error}");
+    }
 }
 
 #[test]
