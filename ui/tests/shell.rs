@@ -30,11 +30,16 @@ use egui_kittest::{
 };
 use support::{Bench, FRAMES, SIZE, long_workspace};
 
+/// The canvas' place without a canvas.
+fn ground(ui: &mut egui::Ui, cx: &mut agenticfocus_ui::state::Context<'_>) {
+    ui.painter().rect_filled(ui.max_rect(), 0.0, cx.tokens.ground);
+}
+
 /// The whole window, with nothing on the canvas and in the inspector.
 fn window(bench: Bench, size: [f32; 2]) -> Harness<'static, Bench> {
     let mut shell = Shell::default();
     support::harness(bench, size, move |ui, bench| {
-        shell.show(ui, &mut bench.context(), |_, _| {}, |_, _| {});
+        shell.show(ui, &mut bench.context(), ground, |_, _| {});
     })
 }
 
@@ -376,7 +381,7 @@ fn going_to_a_frame_puts_the_keyboard_into_its_field() {
         if std::mem::take(&mut asked_for) {
             assert!(shell.perform(UiCommand::GoToFrame, &mut bench.context()));
         }
-        shell.show(ui, &mut bench.context(), |_, _| {}, |_, _| {});
+        shell.show(ui, &mut bench.context(), ground, |_, _| {});
     });
     harness.run();
     assert!(harness.get_by_label("Frame").accesskit_node().is_focused());
@@ -420,7 +425,7 @@ fn nine_thousand_frames_are_looked_at_once() {
     bench.workspace = Some(long_workspace(9_000));
     let mut shell = Shell::default();
     let mut harness = support::harness(bench, WIDE, move |ui, bench| {
-        shell.show(ui, &mut bench.context(), |_, _| {}, |_, _| {});
+        shell.show(ui, &mut bench.context(), ground, |_, _| {});
         assert_eq!(shell.timeline.times_computed(), 1);
     });
     harness.run();

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use agenticfocus::{clip::FrameIndex, geometry::Size, image::Mask, segment::RleMask};
-use egui::{Color32, ColorImage, Context, Painter, Pos2, Rect, pos2};
+use egui::{Color32, ColorImage, Context, Painter, Rect, pos2};
 
 use super::{
     shapes::{LineStyle, outlines},
@@ -186,11 +186,20 @@ impl MaskView {
     pub fn draw(&self, painter: &Painter, projection: &Projection, look: Look) {
         if let Some(id) = self.texture.id()
             && look.fill > 0.0
-            && self.filled.is_some()
+            && let Some(area) = self.filled
         {
-            let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+            // Only where there is anything: clear pixels cost as much as others. One more all round, since the
+            // texture is softened at its edges.
+            let (size, [x0, y0, x1, y1]) = (projection.size, [area.x0, area.y0, area.x1, area.y1]);
+            let (x0, y0) = (x0.saturating_sub(1), y0.saturating_sub(1));
+            let (x1, y1) = ((x1 + 1).min(size.width), (y1 + 1).min(size.height));
+            let place = |x: u32, y: u32| projection.corner_to_screen(f64::from(x), f64::from(y));
+            let share = |x: u32, y: u32| {
+                pos2(x as f32 / size.width.max(1) as f32, y as f32 / size.height.max(1) as f32)
+            };
+            let part = Rect::from_min_max(share(x0, y0), share(x1, y1));
             let tint = Color32::WHITE.gamma_multiply(look.fill.clamp(0.0, 1.0));
-            painter.image(id, projection.picture_rect(), whole, tint);
+            painter.image(id, Rect::from_min_max(place(x0, y0), place(x1, y1)), part, tint);
         }
         let styled = self.lines.iter().map(|line| {
             let colour = self.colouring.at(line.inside[0], line.inside[1]);

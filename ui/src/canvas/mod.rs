@@ -21,7 +21,10 @@ use agenticfocus::{
     engine::Layers,
     session::{MaskLayer, Step},
 };
-use egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, WidgetInfo, accesskit::Role, vec2};
+use egui::{
+    Color32, Key, PointerButton, Pos2, Rect, Response, Sense, Shape, Ui, Vec2, WidgetInfo, accesskit::Role,
+    pos2, vec2,
+};
 
 use self::{
     aim::Aim,
@@ -108,7 +111,11 @@ impl Canvas {
     pub fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let whole = ui.available_rect_before_wrap();
         ui.advance_cursor_after_rect(whole);
-        ui.painter().rect_filled(whole, 0.0, cx.tokens.ground);
+        // Filled in once it is known what will cover it: pixels drawn twice cost twice.
+        let ground = ui.painter().add(Shape::Noop);
+        let (painter, colour) = (ui.painter().clone(), cx.tokens.ground);
+        let fill = |covered| painter.set(ground, Shape::Vec(ground_shapes(whole, covered, colour)));
+        fill(None);
         let Some(workspace) = cx.workspace else {
             self.forget();
             cards::no_clip(ui, cx, whole);
@@ -151,7 +158,10 @@ impl Canvas {
             shift: ui.input(|input| input.modifiers.shift),
             hidden: cx.options.masks_hidden || (peeking && !ui.ctx().egui_wants_keyboard_input()),
         };
-        self.draw(&scene, cx);
+        if self.draw(&scene, cx) {
+            let covered = scene.projection.picture_rect().intersect(rect);
+            fill(Some(covered));
+        }
         if let Some(aim) = &self.aim {
             aim.draw(&scene.painter, &scene.projection, cx.tokens.accent);
         }
@@ -256,21 +266,27 @@ impl Canvas {
         *events = left;
     }
 
-    fn draw(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
+    /// Draws the picture and what lies over it; whether the picture covers all of its place.
+    fn draw(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) -> bool {
         let sharp = scene.projection.zoom >= SQUARE_PIXELS;
-        let here = self.source.draw(sharp, scene, cx);
-        if !here {
+        let step = cx.options.step;
+        let finished = matches!(step, Step::Retarget | Step::Composite | Step::Review);
+        let composite = finished.then(|| self.composite_here(scene, cx)).flatten();
+        let hidden = composite.is_some() && cx.options.before_after == BeforeAfter::After;
+        if hidden {
+            // It is there at once when it is asked for.
+            cx.pictures.source(scene.frame);
+        } else if !self.source.draw(sharp, scene, cx) {
             // The picture's place, so that nothing jumps when it comes.
             scene.painter.rect_filled(scene.projection.picture_rect(), 0.0, cx.tokens.raised);
         }
-        let step = cx.options.step;
         if self.step != step {
             // What was begun in one step does not wait in another.
             self.cancel();
             self.step = step;
         }
-        if matches!(step, Step::Retarget | Step::Composite | Step::Review) {
-            self.draw_composite(sharp, scene, cx);
+        if let Some((layers, strength)) = composite {
+            self.composite.draw(&layers, strength, sharp, scene, cx);
         }
         let faint = Look { fill: 0.0, line: 1.0, dashed: false };
         match step {
@@ -288,6 +304,7 @@ impl Canvas {
             Step::Retarget => wrists::show(scene, cx),
             Step::Composite | Step::Review => self.composite.wipe(scene, cx),
         }
+        hidden || self.source.is_opaque()
     }
 
     /// Drops what is not finished, whatever it is; false when there was nothing.
@@ -302,20 +319,36 @@ impl Canvas {
         held.contains(&true)
     }
 
-    fn draw_composite(&mut self, sharp: bool, scene: &Scene<'_>, cx: &mut Context<'_>) {
+    /// The composite to draw, and how strongly; `None` where there is none or the source alone is asked for.
+    fn composite_here(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) -> Option<(Arc<Layers>, f32)> {
         if cx.options.before_after == BeforeAfter::Before && cx.options.step != Step::Retarget {
             self.fresh = Freshness::Source;
-            return;
+            return None;
         }
         let found = cx.pictures.composite(scene.frame, scene.workspace.revision);
         let Some((layers, exact)) = found.filter(|(layers, _)| fits(layers, scene)) else {
             self.fresh = Freshness::Missing;
-            return;
+            return None;
         };
         self.fresh = if exact { Freshness::Exact } else { Freshness::Old };
-        let strength = self.composite_patience.strength(exact, cx.options.playing, scene);
-        self.composite.draw(&layers, strength, sharp, scene, cx);
+        Some((layers, self.composite_patience.strength(exact, cx.options.playing, scene)))
     }
+}
+
+/// The ground of `whole`, but for what is `covered`: pixels drawn twice cost twice where no graphics card draws them.
+fn ground_shapes(whole: Rect, covered: Option<Rect>, colour: Color32) -> Vec<Shape> {
+    // The seam lies under the picture, whatever part of a pixel its edge is on.
+    let covered = covered.map(|rect| rect.shrink(1.0)).filter(|rect| rect.is_positive());
+    let parts = match covered {
+        None => vec![whole],
+        Some(inner) => vec![
+            Rect::from_min_max(whole.min, pos2(whole.max.x, inner.min.y)),
+            Rect::from_min_max(pos2(whole.min.x, inner.max.y), whole.max),
+            Rect::from_min_max(pos2(whole.min.x, inner.min.y), pos2(inner.min.x, inner.max.y)),
+            Rect::from_min_max(pos2(inner.max.x, inner.min.y), pos2(whole.max.x, inner.max.y)),
+        ],
+    };
+    parts.into_iter().filter(Rect::is_positive).map(|part| Shape::rect_filled(part, 0.0, colour)).collect()
 }
 
 /// Layers of another clip would not lie on this picture.

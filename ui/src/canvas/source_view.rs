@@ -45,6 +45,7 @@ pub(super) struct SourceView {
     texture: Texture,
     shown: Option<Arc<Rgb8>>,
     patience: Patience,
+    opaque: bool,
 }
 
 impl SourceView {
@@ -52,6 +53,7 @@ impl SourceView {
     pub fn draw(&mut self, nearest: bool, scene: &Scene<'_>, cx: &mut Context<'_>) -> bool {
         let right = cx.pictures.source(scene.frame);
         let strength = self.patience.strength(right.is_some(), cx.options.playing, scene);
+        self.opaque = false;
         if let Some(picture) = right.or_else(|| cx.pictures.nearest_source(scene.frame)) {
             let same = self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &picture));
             if !same || self.texture.is_nearest() != nearest {
@@ -66,7 +68,13 @@ impl SourceView {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         let tint = Color32::WHITE.gamma_multiply(strength);
         scene.painter.image(id, scene.projection.picture_rect(), whole, tint);
+        self.opaque = strength >= 1.0;
         true
+    }
+
+    /// Whether it was drawn last so that nothing under it is to be seen.
+    pub fn is_opaque(&self) -> bool {
+        self.opaque
     }
 
     /// Forgets the picture: another clip is open.

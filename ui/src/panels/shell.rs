@@ -92,8 +92,8 @@ impl Shell {
                 .frame(side)
                 .show(ui, |ui| fixed(ui, |ui| inspector(ui, cx)));
         }
-        let ground = Frame::new().fill(cx.tokens.ground);
-        CentralPanel::default().frame(ground).show(ui, |ui| canvas(ui, cx));
+        // The canvas has a ground of its own.
+        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(ui, cx));
         self.palette.show(ui, cx);
         self.key_sheet.show(ui, cx);
     }
