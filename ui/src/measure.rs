@@ -62,6 +62,8 @@ pub struct Measure {
     pointer: Option<Pos2>,
     last_frame: Option<Instant>,
     frames: Vec<f64>,
+    /// Everything was said; the window takes a frame or two to close.
+    printed: bool,
 }
 
 impl Measure {
@@ -78,6 +80,7 @@ impl Measure {
             pointer: None,
             last_frame: None,
             frames: Vec::new(),
+            printed: false,
         }
     }
 
@@ -137,7 +140,9 @@ impl Measure {
                 }
             }
             Probe::End => {
-                self.print(app);
+                if !std::mem::replace(&mut self.printed, true) {
+                    self.print(app);
+                }
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
             _ => {}
