@@ -10,6 +10,8 @@ pub mod measure;
 pub mod paint;
 pub mod palette;
 pub mod panels;
+#[cfg(feature = "engine")]
+pub mod renderer;
 pub mod state;
 pub mod theme;
 #[cfg(feature = "engine")]

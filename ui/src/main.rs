@@ -12,12 +12,14 @@ use agenticfocus::{engine::LocalEngine, pipeline::Installation};
 use agenticfocus_ui::{
     app::{NativeDialogs, OperatorApp, window_file},
     measure::Measure,
+    renderer::RendererChoice,
     tour::Tour,
 };
 use clap::Parser;
+use eframe::Renderer;
 
 /// Curate clips: correct object, masks, template, hands and the robot's motion, and judge the result.
-#[derive(Debug, Parser)]
+#[derive(Clone, Debug, Parser)]
 #[command(name = "agenticfocus-ui", version)]
 struct Arguments {
     /// A clip, a session (NAME.afs), a folder of clips, or a manifest
@@ -34,11 +36,33 @@ struct Arguments {
     /// Measure how fast the window answers on the clip, print it, and end
     #[arg(long, requires = "input", conflicts_with = "screenshots")]
     measure: bool,
+
+    /// What the window is drawn with
+    #[arg(long, value_enum, default_value_t, hide_short_help = true)]
+    renderer: RendererChoice,
 }
 
 fn main() -> ExitCode {
     let began = Instant::now();
     let arguments = Arguments::parse();
+    let renderer = arguments.renderer.renderer();
+    let mut run = open_window(&arguments, renderer, began);
+    if run.is_err() && arguments.renderer == RendererChoice::Auto && renderer == Renderer::Glow {
+        run = open_window(&arguments, Renderer::Wgpu, began);
+    }
+    match run {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!(
+                "agenticfocus-ui: no window: {error}; a display and a Vulkan or OpenGL driver are needed"
+            );
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// Opens the window and comes back when it was closed.
+fn open_window(arguments: &Arguments, renderer: Renderer, began: Instant) -> eframe::Result {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("AgenticFocus")
@@ -46,13 +70,16 @@ fn main() -> ExitCode {
             .with_inner_size([1440.0, 900.0])
             .with_min_inner_size([900.0, 600.0])
             .with_drag_and_drop(true),
-        renderer: eframe::Renderer::Wgpu,
+        renderer,
+        // Flat colours have no bands, and pictures are to be shown as they are.
+        dithering: false,
         ..eframe::NativeOptions::default()
     };
-    let run = eframe::run_native(
+    let arguments = arguments.clone();
+    eframe::run_native(
         "AgenticFocus",
         options,
-        Box::new(|creation| {
+        Box::new(move |creation| {
             let context = creation.egui_ctx.clone();
             let waker = Arc::new(move || context.request_repaint());
             let demo = demo_session(&arguments.out);
@@ -72,16 +99,7 @@ fn main() -> ExitCode {
             let measure = arguments.measure.then(|| Measure::new(began));
             Ok(Box::new(Window { app, tour, measure }))
         }),
-    );
-    match run {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!(
-                "agenticfocus-ui: no window: {error}; a display and a Vulkan or OpenGL driver are needed"
-            );
-            ExitCode::from(1)
-        }
-    }
+    )
 }
 
 /// The session of the demo, where it was made: `agenticfocus demo` puts it in `out/demo`.
@@ -122,7 +140,7 @@ impl eframe::App for Window {
         }
     }
 
-    fn on_exit(&mut self) {
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
         self.app.close();
     }
 }
