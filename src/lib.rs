@@ -29,6 +29,8 @@ pub mod export;
 #[cfg(feature = "engine")]
 pub mod mujoco;
 #[cfg(feature = "engine")]
+pub mod onnx;
+#[cfg(feature = "engine")]
 pub mod pipeline;
 #[cfg(feature = "engine")]
 pub mod render;
