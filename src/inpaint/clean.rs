@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use opencv::{
-    core::{CV_32FC1, Mat, MatTrait, MatTraitConst, MatTraitConstManual, Rect, Scalar, Vec3b},
+    core::{Mat, MatTrait, MatTraitConst, MatTraitConstManual, Rect, Scalar, Vec3b},
     imgproc,
 };
 use rayon::prelude::*;
@@ -15,6 +15,7 @@ use super::{
     moved::{MovedColours, differs, moved_pieces},
     plate::{self, Plate, SEEN, SYNTHESISED, close_offset, take_out_pieces, with_offset},
     scene::{Loaded, Scene},
+    seam::{laid_in, seam},
     survey::Survey,
 };
 use crate::{
@@ -23,7 +24,7 @@ use crate::{
     image::Rgb8,
     progress::Watch,
     segment::{MaskTrack, RleMask},
-    vision::{Registration, Warp, box_blurred, enlarged_part, fill_smoothly, single_threaded},
+    vision::{Registration, Warp, enlarged_part, fill_smoothly, single_threaded},
 };
 
 /// A receiver's error.
@@ -188,7 +189,7 @@ fn clean_frame(
         opencv::core::max(&either, &shade, &mut alpha)?;
     }
     alpha.set_to(&Scalar::all(0.0), &core)?;
-    let picture = blended(&loaded.picture, region, &background, &alpha)?;
+    let picture = laid_in(&loaded.picture, region, &background, &alpha)?;
     Ok((picture, coverage))
 }
 
@@ -339,33 +340,4 @@ fn mixed(
         behind_template: share(hidden),
     };
     Ok((colours, coverage))
-}
-
-/// 1 inside the hole, falling to 0 over twice `feather` pixels outside of it.
-fn seam(hole: &Mat, feather: i32) -> opencv::Result<Mat> {
-    let mut soft = Mat::default();
-    let wide = super::hole::grown(hole, feather)?;
-    wide.convert_to(&mut soft, CV_32FC1, 1.0 / 255.0, 0.0)?;
-    box_blurred(&soft, 2 * feather + 1)
-}
-
-fn blended(picture: &Mat, region: Rect, background: &[[f32; 3]], alpha: &Mat) -> opencv::Result<Rgb8> {
-    let mut out = Rgb8::from_mat(picture)?;
-    let columns = out.size().width as usize;
-    let alpha = alpha.data_typed::<f32>()?;
-    let data = out.data_mut();
-    for y in 0..region.height as usize {
-        for x in 0..region.width as usize {
-            let i = y * region.width as usize + x;
-            if alpha[i] <= 0.0 {
-                continue;
-            }
-            let at = ((region.y as usize + y) * columns + region.x as usize + x) * 3;
-            for channel in 0..3 {
-                let own = f32::from(data[at + channel]);
-                data[at + channel] = (own + alpha[i] * (background[i][channel] - own)).round() as u8;
-            }
-        }
-    }
-    Ok(out)
 }

@@ -1,6 +1,6 @@
 //! Why the background could not be restored.
 
-use crate::{clip::FrameError, geometry::Size, progress::Cancelled};
+use crate::{clip::FrameError, geometry::Size, onnx::OnnxError, progress::Cancelled};
 
 /// Why the background could not be restored.
 #[derive(Debug, thiserror::Error)]
@@ -11,6 +11,9 @@ pub enum InpaintError {
     /// Image processing failed.
     #[error("image processing failed while restoring the background: {0}")]
     Vision(#[from] opencv::Error),
+    /// The network failed.
+    #[error("the background network failed: {0}")]
+    Network(#[from] OnnxError),
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -28,12 +28,16 @@ mod report;
 #[cfg(feature = "engine")]
 mod scene;
 #[cfg(feature = "engine")]
+mod seam;
+#[cfg(feature = "engine")]
 mod shadow;
 #[cfg(feature = "engine")]
 mod survey;
+#[cfg(feature = "engine")]
+pub mod video;
 
 #[cfg(feature = "engine")]
-pub use clean::clean;
+pub use clean::{SinkError, clean};
 #[cfg(feature = "engine")]
 pub use error::InpaintError;
 #[cfg(feature = "engine")]

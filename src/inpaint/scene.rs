@@ -93,7 +93,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Reads frame `index` without keeping it.
-    fn read(&self, index: usize) -> Result<Loaded, InpaintError> {
+    pub fn read(&self, index: usize) -> Result<Loaded, InpaintError> {
         let index = FrameIndex(index as u32);
         let picture = self.frames.frame(index)?.to_mat()?;
         let arm = self.arms.frame(index).mask.decode().to_mat()?;
