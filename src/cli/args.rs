@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::vlm::VlmArguments;
+use super::{models::ModelArguments, vlm::VlmArguments};
 use crate::pipeline::batch::Shard;
 
 /// Turns first-person video of human hands into demonstrations for a Unitree G1 with BrainCo hands
@@ -103,6 +103,8 @@ pub(super) struct BatchArguments {
     pub(super) resume: bool,
     #[command(flatten)]
     pub(super) vlm: VlmArguments,
+    #[command(flatten)]
+    pub(super) models: ModelArguments,
 }
 
 /// The subcommands.
@@ -161,6 +163,8 @@ pub(super) enum Verb {
         layers: bool,
         #[command(flatten)]
         vlm: VlmArguments,
+        #[command(flatten)]
+        models: ModelArguments,
         /// The batch's output folder
         out: PathBuf,
     },
@@ -169,6 +173,8 @@ pub(super) enum Verb {
         /// Print JSON
         #[arg(long)]
         json: bool,
+        #[command(flatten)]
+        models: ModelArguments,
     },
     /// Show the state of every clip below an output folder
     Status {

@@ -28,6 +28,7 @@ pub(super) fn run(arguments: &BatchArguments) -> Outcome {
     let mut worker = worker_arguments(at_a_time.min(jobs.len()));
     worker.extend(arguments.layers.then(|| "--layers".to_owned()));
     worker.extend(arguments.vlm.words());
+    worker.extend(arguments.models.words());
     let summary = run_jobs(&jobs, out, worker, at_a_time)?;
     if arguments.json {
         let text = serde_json::to_string_pretty(&summary)

@@ -5,6 +5,7 @@ mod batch;
 mod bench;
 mod demo;
 mod doctor;
+mod models;
 mod progress;
 mod robot;
 mod status;
@@ -17,7 +18,7 @@ use std::process::ExitCode as ProcessExit;
 
 use clap::Parser as _;
 
-use crate::pipeline::{ExitCode, RunOptions};
+use crate::pipeline::{ExitCode, Installation, RunOptions};
 use args::{Arguments, Verb};
 
 /// What a subcommand comes back with: an exit code, or a line for standard error and its code.
@@ -79,10 +80,11 @@ fn dispatch(arguments: Arguments) -> Outcome {
         Some(Verb::Bench(arguments)) => bench::run(&arguments),
         Some(Verb::Robot { verb }) => robot::run(&verb),
         Some(Verb::Ui { input }) => ui::run(input.as_deref()),
-        Some(Verb::ClipWorker { threads, keep_frames, layers, vlm, out }) => {
-            worker::run(&out, threads, RunOptions { keep_frames, layers }, &vlm.installation())
+        Some(Verb::ClipWorker { threads, keep_frames, layers, vlm, models, out }) => {
+            let installation = Installation { models: models.options(), ..vlm.installation() };
+            worker::run(&out, threads, RunOptions { keep_frames, layers }, &installation)
         }
-        Some(Verb::Doctor { json }) => doctor::run(json),
+        Some(Verb::Doctor { json, models }) => doctor::run(json, &models),
         Some(Verb::Status { out, json }) => status::run(&out, json),
         None => batch::run(&batch),
     }

@@ -1,6 +1,9 @@
 //! Tensors on their way into and out of a graph.
 
-use ort::value::{DynValue, Tensor, TensorElementType};
+use ort::{
+    memory::Allocator,
+    value::{DynValue, Tensor, TensorElementType},
+};
 
 use super::{Declared, ElementType, probe::Bound};
 
@@ -36,6 +39,14 @@ impl Value {
         Ok(Self(Tensor::from_array((shape.to_vec(), data))?.into_dyn()))
     }
 
+    /// A float tensor without a number in it: one of its sizes is 0.
+    ///
+    /// # Errors
+    /// When the runtime cannot make a tensor.
+    pub fn no_floats(shape: &[usize]) -> Result<Self, ValueError> {
+        Ok(Self(Tensor::<f32>::new(&Allocator::default(), shape.to_vec())?.into_dyn()))
+    }
+
     /// One boolean, of the rank a graph wants.
     ///
     /// # Errors
@@ -61,11 +72,16 @@ impl Value {
     /// The same numbers as the elements and rank that `bound` declares; `None` where they are already.
     pub(super) fn as_declared(&self, bound: &Bound) -> Result<Option<Self>, ValueError> {
         let own = self.0.dtype().tensor_type().and_then(element_type);
-        let scalar = bound.declared.shape.is_empty() && !self.shape().is_empty();
-        if own == Some(bound.element) && !scalar {
+        let (shape, wanted) = (self.shape(), bound.declared.shape.len());
+        if own == Some(bound.element) && shape.len() == wanted {
             return Ok(None);
         }
-        let shape = if scalar { Vec::new() } else { self.shape() };
+        // Sizes of 1 in front are what exporters disagree about.
+        let ones = shape.iter().take_while(|size| **size == 1).count();
+        let surplus = shape.len().saturating_sub(wanted).min(ones);
+        let missing = wanted.saturating_sub(shape.len());
+        let shape: Vec<usize> =
+            std::iter::repeat_n(1, missing).chain(shape[surplus..].iter().copied()).collect();
         let numbers = self.numbers(own)?;
         let made = match bound.element {
             ElementType::F32 => {

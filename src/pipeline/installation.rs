@@ -7,8 +7,11 @@ use std::{
 
 use serde::Serialize;
 
+use super::ModelOptions;
 use crate::{
+    inpaint::video::VIDEO_INPAINT,
     render::{self, DeviceChoice},
+    segment::sam2::SAM2_VIDEO,
     select::vlm::{VlmPlan, VlmSettings, VlmWish},
 };
 
@@ -17,10 +20,12 @@ use crate::{
 pub struct Installation {
     /// `.deps/`, filled by `make setup`.
     pub dependencies: PathBuf,
-    /// The user's data folder: imported robots, later model weights.
+    /// The user's data folder: imported robots, model weights.
     pub data: PathBuf,
     /// The vision-language model that may be asked for objects.
     pub vlm: VlmSettings,
+    /// Which learned models may be used.
+    pub models: ModelOptions,
 }
 
 /// One part as `doctor` shows it.
@@ -63,6 +68,7 @@ impl Installation {
             dependencies: found.unwrap_or_else(|| PathBuf::from(".deps")),
             data: data.join("agenticfocus"),
             vlm: VlmSettings::from_environment(|name| std::env::var(name).ok()),
+            models: ModelOptions::default(),
         }
     }
 
@@ -80,8 +86,8 @@ impl Installation {
     pub fn examine(&self) -> Vec<PartReport> {
         let python = self.estimator_python();
         let script = "import mediapipe; mediapipe.solutions.hands; print('MediaPipe', mediapipe.__version__)";
-        let runtime = self.onnx_runtime();
-        let runtime = runtime.is_file().then(|| format!("ONNX Runtime 1.31.1, {}", runtime.display()));
+        let runtime =
+            self.runtime().map(|_| format!("ONNX Runtime 1.31.1, {}", self.onnx_runtime().display()));
         vec![
             PartReport {
                 name: "ffmpeg",
@@ -113,7 +119,7 @@ impl Installation {
             },
             PartReport {
                 name: "ONNX Runtime",
-                found: runtime,
+                found: runtime.ok(),
                 purpose: "learned back ends",
                 remedy: "make setup",
                 required: false,
@@ -141,9 +147,9 @@ impl Installation {
         vec![
             row("clip", either(has("ffmpeg"), "ffmpeg", "unavailable: ffmpeg is missing")),
             row("select", self.selector()),
-            row("segment", "classical: dense flow, colour models, graph cuts".to_owned()),
+            row("segment", self.backend(&SAM2_VIDEO, "classical: dense flow, colour models, graph cuts")),
             row("template", "clean frame of the clip".to_owned()),
-            row("inpaint", "temporal background plate".to_owned()),
+            row("inpaint", self.backend(&VIDEO_INPAINT, "temporal background plate")),
             row(
                 "hands",
                 either(has("hand estimator"), "MediaPipe, fitted in 3-D", "imported hand tracks only"),

@@ -3,6 +3,7 @@
 use crate::{
     clip::{FrameError, FrameIndex},
     geometry::Size,
+    onnx::OnnxError,
     progress::Cancelled,
 };
 
@@ -23,6 +24,9 @@ pub enum SegmentError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The network failed.
+    #[error("the segmentation network failed: {0}")]
+    Network(#[from] OnnxError),
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

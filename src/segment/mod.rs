@@ -7,6 +7,8 @@ mod error;
 #[cfg(feature = "engine")]
 pub mod object;
 mod rle;
+#[cfg(feature = "engine")]
+pub mod sam2;
 mod track;
 
 #[cfg(feature = "engine")]

@@ -36,3 +36,194 @@ pub fn mean_of_unmasked(frames: i64, local: i64, height: i64, width: i64) -> Vec
         .output("pred_frames", Element::F32, &[local, all[1], all[2], all[3]])
         .bytes()
 }
+
+/// `sam2-video/1` with S = 64: what is red is the object, but only near where memories say it was.
+pub fn red_things() -> Vec<(&'static str, Vec<u8>)> {
+    vec![
+        ("image_encoder.onnx", red_encoder()),
+        ("memory_attention.onnx", where_it_was()),
+        ("mask_decoder.onnx", red_and_near()),
+        ("memory_encoder.onnx", coarse_mask()),
+    ]
+}
+
+const F: Element = Element::F32;
+
+/// Nothing of a tensor, as one number: an input that is used without changing anything.
+fn unused(writer: GraphWriter, name: &str) -> GraphWriter {
+    let (float, sum, none) = (format!("{name}_float"), format!("{name}_sum"), format!("{name}_none"));
+    writer
+        .node("Cast", &[name], &float, &[("to", Value::Integer(1))])
+        .node("ReduceSum", &[&float], &sum, &[("keepdims", Value::Integer(0))])
+        .node("Mul", &[&sum, "zero"], &none, &[])
+}
+
+fn red_encoder() -> Vec<u8> {
+    let pool = |writer: GraphWriter, size: i64, to: &str| {
+        let attributes =
+            [("kernel_shape", Value::Integers(&[size, size])), ("strides", Value::Integers(&[size, size]))];
+        writer.node("AveragePool", &["red"], to, &attributes)
+    };
+    let mut writer = GraphWriter::new()
+        .input("image", F, &[1, 64, 64, 3])
+        .floats("weights", &[1, 3, 1, 1], &[1.0 / 255.0, -0.5 / 255.0, -0.5 / 255.0])
+        .floats("one", &[1], &[1.0])
+        .integers("shape0", &[4], &[1, 32, 16, 16])
+        .integers("shape1", &[4], &[1, 64, 8, 8])
+        .integers("tokens", &[3], &[16, 1, 1])
+        .integers("low_shape", &[3], &[16, 1, 256])
+        .integers("map_shape", &[4], &[1, 256, 4, 4])
+        .node("Transpose", &["image"], "planes", &[("perm", Value::Integers(&[0, 3, 1, 2]))])
+        .node("Conv", &["planes", "weights"], "red", &[]);
+    writer = pool(writer, 4, "red4");
+    writer = pool(writer, 8, "red8");
+    writer = pool(writer, 16, "red16");
+    writer
+        .node("Expand", &["red4", "shape0"], "high_res_features0", &[])
+        .node("Expand", &["red8", "shape1"], "high_res_features1", &[])
+        .node("Reshape", &["red16", "tokens"], "red_tokens", &[])
+        .node("Expand", &["red_tokens", "low_shape"], "low_res_features", &[])
+        .node("Identity", &["low_res_features"], "vision_pos_embeds", &[])
+        // Without a memory the object may be anywhere.
+        .node("Expand", &["one", "map_shape"], "pix_feat_with_mem", &[])
+        .output("high_res_features0", F, &[1, 32, 16, 16])
+        .output("high_res_features1", F, &[1, 64, 8, 8])
+        .output("low_res_features", F, &[16, 1, 256])
+        .output("vision_pos_embeds", F, &[16, 1, 256])
+        .output("pix_feat_with_mem", F, &[1, 256, 4, 4])
+        .bytes()
+}
+
+fn where_it_was() -> Vec<u8> {
+    let inputs =
+        ["current_vision_feats", "current_vision_pos_embeds", "memory_pos_embed", "obj_ptrs", "obj_pos"];
+    let mut writer = GraphWriter::new()
+        .input("current_vision_feats", F, &[16, 1, 256])
+        .input("current_vision_pos_embeds", F, &[16, 1, 256])
+        .input("maskmem_feats", F, &[16, -1, 1, 64])
+        .input("memory_pos_embed", F, &[16, -1, 1, 64])
+        .input("obj_ptrs", F, &[-1, 1, 256])
+        .input("obj_pos", Element::I32, &[-1])
+        .floats("zero", &[1], &[0.0])
+        .integers("frames_first", &[3], &[-1, 16, 64])
+        .integers("grid", &[4], &[1, 1, 4, 4])
+        .integers("map_shape", &[4], &[1, 256, 4, 4])
+        // Frame after frame, whatever the declared shape says.
+        .node("Reshape", &["maskmem_feats", "frames_first"], "frames", &[])
+        .node(
+            "ReduceMax",
+            &["frames"],
+            "ever",
+            &[("axes", Value::Integers(&[0, 2])), ("keepdims", Value::Integer(0))],
+        )
+        .node("Reshape", &["ever", "grid"], "there", &[])
+        .node(
+            "MaxPool",
+            &["there"],
+            "near",
+            &[
+                ("kernel_shape", Value::Integers(&[3, 3])),
+                ("pads", Value::Integers(&[1, 1, 1, 1])),
+                ("strides", Value::Integers(&[1, 1])),
+            ],
+        );
+    for input in inputs {
+        writer = unused(writer, input);
+    }
+    let sum: Vec<String> = inputs.iter().map(|input| format!("{input}_none")).collect();
+    let mut sum: Vec<&str> = sum.iter().map(String::as_str).collect();
+    sum.push("near");
+    writer
+        .node("Sum", &sum, "kept", &[])
+        .node("Expand", &["kept", "map_shape"], "pix_feat_with_mem", &[])
+        .output("pix_feat_with_mem", F, &[1, 256, 4, 4])
+        .bytes()
+}
+
+fn red_and_near() -> Vec<u8> {
+    let times: Vec<f32> = (0..7).flat_map(|row| [row as f32; 64]).collect();
+    let mut writer = GraphWriter::new()
+        .input("point_coords", F, &[1, 2, 2])
+        .input("point_labels", Element::I32, &[1, 2])
+        .input("pix_feat_with_mem", F, &[1, 256, 4, 4])
+        .input("high_res_features_0", F, &[1, 32, 16, 16])
+        .input("high_res_features_1", F, &[1, 64, 8, 8])
+        .floats("zero", &[1], &[0.0])
+        .floats("half", &[1], &[0.5])
+        .floats("forty", &[1], &[40.0])
+        .floats("twenty", &[1], &[20.0])
+        .floats("slots", &[1, 3, 1, 1], &[-1.0, 1.0, -1.0])
+        .floats("ious_are", &[1, 3], &[0.1, 0.9, 0.3])
+        .floats("times", &[7, 1, 1, 64], &times)
+        .floats("no_pointer", &[1, 3, 256], &[0.0; 3 * 256])
+        .integers("from", &[1], &[0])
+        .integers("to", &[1], &[1])
+        .integers("channel", &[1], &[1])
+        .integers("cells", &[6], &[1, 1, 4, 1, 4, 1])
+        .integers("pixels", &[6], &[1, 1, 4, 4, 4, 4])
+        .integers("square", &[4], &[1, 1, 16, 16])
+        .integers("score_shape", &[2], &[1, 1])
+        .node("Slice", &["pix_feat_with_mem", "from", "to", "channel"], "near", &[])
+        .node("Reshape", &["near", "cells"], "near_cells", &[])
+        .node("Expand", &["near_cells", "pixels"], "near_pixels", &[])
+        .node("Reshape", &["near_pixels", "square"], "near_square", &[])
+        .node("Greater", &["near_square", "half"], "is_near", &[])
+        .node("Cast", &["is_near"], "gate", &[("to", Value::Integer(1))])
+        .node("Slice", &["high_res_features_0", "from", "to", "channel"], "red", &[])
+        .node("Mul", &["red", "gate"], "red_near", &[])
+        .node("Mul", &["red_near", "forty"], "strong", &[])
+        .node("Sub", &["strong", "twenty"], "logits", &[])
+        .node("Mul", &["logits", "slots"], "three", &[])
+        .node("ReduceMax", &["logits"], "most", &[("keepdims", Value::Integer(0))])
+        .node("Reshape", &["most", "score_shape"], "score", &[]);
+    for input in ["point_coords", "point_labels", "high_res_features_1"] {
+        writer = unused(writer, input);
+    }
+    writer
+        .node(
+            "Sum",
+            &["score", "point_coords_none", "point_labels_none", "high_res_features_1_none"],
+            "object_score_logits",
+            &[],
+        )
+        .node("Identity", &["three"], "low_res_multimasks", &[])
+        .node("Identity", &["ious_are"], "ious", &[])
+        .node("Identity", &["times"], "maskmem_tpos_enc", &[])
+        .node("Identity", &["no_pointer"], "obj_ptr", &[])
+        .output("low_res_multimasks", F, &[1, 3, 16, 16])
+        .output("ious", F, &[1, 3])
+        .output("obj_ptr", F, &[1, 3, 256])
+        .output("object_score_logits", F, &[1, 1])
+        .output("maskmem_tpos_enc", F, &[7, 1, 1, 64])
+        .bytes()
+}
+
+fn coarse_mask() -> Vec<u8> {
+    let mut writer = GraphWriter::new()
+        .input("pix_feat", F, &[16, 1, 256])
+        .input("mask_for_mem", F, &[1, 1, 64, 64])
+        .input("object_score_logits", F, &[1, 1])
+        .input("is_mask_from_pts", Element::Bool, &[])
+        .floats("zero", &[1], &[0.0])
+        .integers("tokens", &[3], &[16, 1, 1])
+        .integers("memory", &[3], &[16, 1, 64])
+        .node("Sigmoid", &["mask_for_mem"], "soft", &[])
+        .node(
+            "MaxPool",
+            &["soft"],
+            "coarse",
+            &[("kernel_shape", Value::Integers(&[16, 16])), ("strides", Value::Integers(&[16, 16]))],
+        )
+        .node("Reshape", &["coarse", "tokens"], "each", &[]);
+    for input in ["pix_feat", "object_score_logits", "is_mask_from_pts"] {
+        writer = unused(writer, input);
+    }
+    let sum = ["each", "pix_feat_none", "object_score_logits_none", "is_mask_from_pts_none"];
+    writer
+        .node("Sum", &sum, "kept", &[])
+        .node("Expand", &["kept", "memory"], "maskmem_features", &[])
+        .node("Identity", &["maskmem_features"], "maskmem_pos_enc", &[])
+        .output("maskmem_features", F, &[16, 1, 64])
+        .output("maskmem_pos_enc", F, &[16, 1, 64])
+        .bytes()
+}

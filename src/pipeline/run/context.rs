@@ -10,7 +10,13 @@ use super::super::{
     Cache, ClipFailure, Decisions, ExitCode, Installation, Key, Listener, Memory, Stage,
     reporter::{Progress, StageWatch},
 };
-use crate::session::{Author, Command, Document, MaskStore};
+use crate::{
+    clip::FrameIndex,
+    engine::Finding,
+    onnx::{CheckedModel, Contract, OnnxError},
+    segment::MaskFrame,
+    session::{Author, Command, Document, MaskStore},
+};
 
 /// A run's surroundings.
 pub(super) struct Context<'a> {
@@ -32,6 +38,25 @@ pub(super) struct Context<'a> {
 impl Context<'_> {
     pub(super) fn watch(&self, stage: Stage) -> StageWatch<'_> {
         StageWatch::new(stage, &self.progress, self.listener, self.cancel)
+    }
+
+    /// The model of this installation that keeps `contract`, where one may be used; what is done `instead` of one that
+    /// may not is said in one line.
+    pub(super) fn model(&self, contract: &Contract, instead: &str) -> Option<CheckedModel> {
+        self.installation.model(contract).unwrap_or_else(|error| {
+            self.fall_back(&error, instead);
+            None
+        })
+    }
+
+    /// Says that a model failed, and what is done instead.
+    pub(super) fn fall_back(&self, error: &OnnxError, instead: &str) {
+        self.listener.note(&format!("{error}; instead: {instead}"));
+    }
+
+    /// Tells whoever listens of a mask of the object as soon as it is found.
+    pub(super) fn tell_mask(&self, index: FrameIndex, mask: &MaskFrame) {
+        self.listener.found(Finding::ObjectFrame(index, Box::new(mask.clone())));
     }
 
     /// Runs `stage` under its own watch, notes how long it took, and says where a failure happened.

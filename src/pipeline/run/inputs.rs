@@ -4,6 +4,7 @@ use std::{collections::BTreeSet, path::Path, sync::atomic::AtomicBool};
 
 use super::{RunOptions, model, move_robot};
 use crate::{
+    inpaint::video::Blend,
     pipeline::{
         ClipFailure, ClipJob, Installation, Key, Listener, Stage,
         reporter::{Progress, StageWatch},
@@ -18,6 +19,8 @@ pub(super) struct Inputs {
     /// The hand track to import.
     track: Option<String>,
     robot: String,
+    /// The learned models in use, and how their windows are blended.
+    models: (Vec<(&'static str, String)>, Blend),
     options: RunOptions,
 }
 
@@ -44,7 +47,9 @@ impl Inputs {
             None => None,
         };
         let track = track.map(|hash| hash.to_hex().to_string());
-        Ok(Self { clip, track, robot: move_robot::robot_identity(installation)?, options })
+        let robot = move_robot::robot_identity(installation)?;
+        let models = (installation.model_identities(), installation.models.blend);
+        Ok(Self { clip, track, robot, models, options })
     }
 
     /// The hash of these and of everything decided in `document`. `unasked` says that a model was asked in vain for them.
@@ -67,7 +72,7 @@ impl Inputs {
         // What the machine or the manifest chose follows from the other inputs.
         decided.object = decided.object.filter(|object| object.author == Author::Human);
         let said = model::inputs(job, document, installation, unasked);
-        let inputs = (decided, &job.object, &self.track, &self.robot, said);
+        let inputs = (decided, &job.object, &self.track, &self.robot, said, &self.models);
         let key = Key::new(Stage::Export, &[], &inputs)?;
         Ok(if self.options.layers { Key::new(Stage::Export, &[&key], &"layers")? } else { key })
     }

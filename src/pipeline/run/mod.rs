@@ -1,5 +1,6 @@
 //! One clip from its file to its record.
 
+mod background;
 mod context;
 mod edits;
 mod export;
@@ -9,6 +10,7 @@ mod layer_files;
 mod layers;
 mod model;
 mod move_robot;
+mod object;
 mod pixels;
 mod prepare;
 mod report;
@@ -41,11 +43,11 @@ use context::Context;
 use export::Parts;
 use inputs::Inputs;
 
+pub use background::Background;
 pub(crate) use frame::{FramePixels, compose_frame, layers_of, render_robot, robot_renderer};
 pub use layers::shown_arms;
 pub(crate) use layers::{Evidence, LayerPlan, layer_evidence, plan_layers};
 pub(crate) use prepare::open_session;
-pub use understand::Background;
 
 /// What a run of one clip leaves beside its results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -234,13 +236,13 @@ fn understand(
         understand::choose_object(context, decisions, job, &clip, &seen.landmarks, (&arms, &arms_key))?;
     listener.found(Finding::Choice(choice.clone()));
     let (object, object_key) =
-        understand::object(context, &clip, choice.as_ref(), &seen.landmarks, (&arms, &arms_key))?;
+        object::object(context, &clip, choice.as_ref(), &seen.landmarks, (&arms, &arms_key))?;
     listener.found(Finding::Object(Arc::clone(&object)));
     // The background needs nothing of what leads to the robot's motion, and neither fills all cores.
     let context = &*context;
     let (background, moved) = thread::scope(|scope| {
         let background = scope.spawn(|| {
-            let made = understand::background(context, &clip, (&arms, &arms_key), (&object, &object_key))?;
+            let made = background::background(context, &clip, (&arms, &arms_key), (&object, &object_key))?;
             listener.found(Finding::Background(Arc::clone(&made.report)));
             Ok(made)
         });

@@ -1,9 +1,8 @@
 //! From pixels to what is in them: hands, arms, object, template, background.
 
-use std::{borrow::Cow, collections::BTreeMap, sync::Arc};
+use std::{borrow::Cow, sync::Arc};
 
 use nalgebra::Matrix3;
-use serde::{Deserialize, Serialize};
 
 use super::{
     context::Context,
@@ -12,22 +11,17 @@ use super::{
     source::standard_prompt,
 };
 use crate::{
-    clip::{FrameIndex, FrameSource, FrameStore, FrameStoreWriter, StandardClip},
-    engine::Finding,
+    clip::{FrameIndex, FrameSource, StandardClip},
     geometry::PerSide,
     hands::{self, EstimateParams, Estimation, EstimatorCommand, HandTrack},
-    inpaint::{self, InpaintParams, InpaintReport},
     landmarks::{HandLandmarks, LandmarkTrack},
     pipeline::{ClipFailure, ClipJob, Decisions, ExitCode, Key, Stage},
     segment::{
-        MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask, SegmentError,
+        MaskTrack,
         arms::{self, ArmInputs, ArmParams, ArmTrack, HandledObject},
-        object::{self, ObjectParams, ObjectPrompt, PromptKind},
     },
     select::{self, SelectParams},
-    session::{
-        Author, Command, Document, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState, TemplateEdits,
-    },
+    session::{Author, Command, MaskLayer, ObjectChoice, ObjectPromptKind, ReviewState, TemplateEdits},
     template::{self, TemplateParams, TemplateTrack},
 };
 
@@ -224,71 +218,6 @@ fn as_choice(proposal: &select::Proposal) -> ObjectChoice {
     }
 }
 
-/// Object masks; all empty and lost where nobody knows what the object is.
-pub(super) fn object(
-    context: &Context<'_>,
-    clip: &StandardClip,
-    choice: Option<&ObjectChoice>,
-    landmarks: &LandmarkTrack,
-    arms: (&ArmTrack, &Key),
-) -> Result<(Arc<MaskTrack>, Key), ClipFailure> {
-    let human =
-        human_masks(&context.document, &context.masks, MaskLayer::Object, clip.size(), clip.frame_count())?;
-    let guessed = choice.is_some_and(|choice| matches!(choice.author, Author::Machine(_)));
-    let prompts = prompts(&context.document, choice, human);
-    let params = ObjectParams::default();
-    context.cached_stage(Stage::Object, &[arms.1], &(&params, &prompts), ExitCode::BadInput, |watch| {
-        if prompts.is_empty() {
-            return Ok(nothing(clip));
-        }
-        let tell = |index: FrameIndex, mask: &MaskFrame| {
-            context.listener.found(Finding::ObjectFrame(index, Box::new(mask.clone())));
-        };
-        let sink: Option<&object::MaskSink<'_>> = context.listener.wants_every_mask().then_some(&tell);
-        match object::track_object(clip, &prompts, &arms.0.union, landmarks, &params, sink, watch) {
-            // A guess of our own that leads nowhere is no fault of the input: the clip goes on without an object.
-            Err(SegmentError::Prompt { reason, .. }) if guessed => {
-                context
-                    .listener
-                    .note(&format!("the proposed object cannot be told from its surroundings: {reason}"));
-                Ok(nothing(clip))
-            }
-            other => other,
-        }
-    })
-}
-
-fn prompts(
-    document: &Document,
-    choice: Option<&ObjectChoice>,
-    human: BTreeMap<FrameIndex, RleMask>,
-) -> Vec<ObjectPrompt> {
-    let chosen = choice.filter(|choice| !human.contains_key(&choice.frame)).map(|choice| {
-        let kind = match choice.prompt.clone() {
-            ObjectPromptKind::Box(bounds) => PromptKind::Box(bounds),
-            ObjectPromptKind::Points { positive, negative } => PromptKind::Points { positive, negative },
-        };
-        ObjectPrompt::new(choice.frame, kind)
-    });
-    let drawn = human.into_iter().map(|(frame, mask)| {
-        let reach = document.object_reach.get(&frame).copied().unwrap_or_default();
-        let kind = PromptKind::Mask { mask, human: true };
-        ObjectPrompt { frame, kind, reach: (reach.backward, reach.forward) }
-    });
-    chosen.into_iter().chain(drawn).collect()
-}
-
-fn nothing(clip: &StandardClip) -> MaskTrack {
-    let size = clip.size();
-    let frame = MaskFrame {
-        mask: RleMask::empty(size),
-        author: MaskAuthor::Propagated,
-        score: 0.0,
-        flags: vec![MaskFlag::Lost],
-    };
-    MaskTrack { size, frames: vec![frame; clip.frame_count()], backend: "none".to_owned() }
-}
-
 /// The object's template and placements, with the person's own on top.
 pub(super) fn template(
     context: &Context<'_>,
@@ -334,50 +263,4 @@ fn set_placements(track: Option<&TemplateTrack>, edits: &TemplateEdits) -> Vec<(
     let Some(track) = track else { return edits.placements.iter().map(|(at, to)| (*at, *to)).collect() };
     let set = |frame| Some((frame, track.by_hand(edits, frame)?.transform));
     FrameIndex::all(track.placements.len()).filter_map(set).collect()
-}
-
-/// What the background stage leaves: the frames on disk, the report in memory.
-#[derive(Debug)]
-pub struct Background {
-    /// Every frame without arms; the visible object is still in it.
-    pub frames: FrameStore,
-    /// Where its pixels come from.
-    pub report: Arc<InpaintReport>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Sealed {
-    report: InpaintReport,
-}
-
-/// The background without the human, kept in a frame store in the cache.
-pub(super) fn background(
-    context: &Context<'_>,
-    clip: &StandardClip,
-    arms: (&ArmTrack, &Key),
-    object: (&MaskTrack, &Key),
-) -> Result<Background, ClipFailure> {
-    let params = InpaintParams::default();
-    let key = Key::new(Stage::Inpaint, &[arms.1, object.1], &params)?;
-    let path = context.cache.path(Stage::Inpaint, &key, "frames");
-    let whole = FrameStore::open(&path).ok().filter(|store| store.frame_count() == clip.frame_count());
-    if whole.is_none() {
-        // Without its frames the report is of no use: make both again.
-        std::fs::remove_file(context.cache.path(Stage::Inpaint, &key, "json")).ok();
-    }
-    let sealed = context.stage(Stage::Inpaint, |watch| {
-        context.cache.get_or_make(Stage::Inpaint, &key, || {
-            let failed =
-                |error: crate::clip::StoreError| ClipFailure::from_error(&error, ExitCode::InputOutput);
-            let mut writer = FrameStoreWriter::create(&path, clip.size()).map_err(failed)?;
-            let mut sink = |_: FrameIndex, frame: &crate::image::Rgb8| Ok(writer.push(frame)?);
-            let report = inpaint::clean(clip, &arms.0.union, object.0, None, &params, &mut sink, watch)
-                .map_err(|error| ClipFailure::from_error(&error, ExitCode::Internal))?;
-            writer.finish().map_err(failed)?;
-            Ok::<_, ClipFailure>(Sealed { report })
-        })
-    })?;
-    let frames =
-        FrameStore::open(&path).map_err(|error| ClipFailure::from_error(&error, ExitCode::InputOutput))?;
-    Ok(Background { frames, report: Arc::new(sealed.report) })
 }

@@ -1,0 +1,142 @@
+//! Learned models of this installation: where they are looked for, which may be used, what they are.
+
+use std::path::{Path, PathBuf};
+
+use super::Installation;
+use crate::{
+    inpaint::video::{Blend, VIDEO_INPAINT, VideoNetwork},
+    onnx::{CheckedModel, Contract, ModelFolder, OnnxError, Registry, Runtime, RuntimeOptions, Trust},
+    segment::sam2::{ImageSegmenter, SAM2_IMAGE, SAM2_VIDEO, VideoSegmenter},
+};
+
+/// Which learned models may be used, and how.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ModelOptions {
+    /// Folders that are looked through before the usual ones.
+    pub folders: Vec<PathBuf>,
+    /// Whether files that no registry lists are run (default: no).
+    pub allow_unlisted: bool,
+    /// Whether learned models are left alone altogether (default: no).
+    pub off: bool,
+    /// How graphs are run.
+    pub runtime: RuntimeOptions,
+    /// How the background network's windows are blended.
+    pub blend: Blend,
+}
+
+/// A model as `doctor` shows it.
+#[derive(Clone, Debug)]
+pub struct ModelReport {
+    /// What people call it, or its folder where that is not known.
+    pub name: String,
+    /// Its contract.
+    pub contract: String,
+    /// `Ok` where it is active; else why it is not.
+    pub state: Result<(), OnnxError>,
+    /// A warning about its licence.
+    pub warning: Option<String>,
+}
+
+/// Every contract that the pipeline has a use for.
+const CONTRACTS: [Contract; 3] = [SAM2_IMAGE, SAM2_VIDEO, VIDEO_INPAINT];
+
+impl Installation {
+    /// Folders with models, the first to win: those asked for, the user's own, the project's.
+    pub fn model_folders(&self) -> Vec<PathBuf> {
+        let usual = [self.user_models(), PathBuf::from("models")];
+        self.models.folders.iter().cloned().chain(usual).collect()
+    }
+
+    fn user_models(&self) -> PathBuf {
+        self.data.join("models")
+    }
+
+    /// The first model that keeps `contract` and may be used; `None` where there is none.
+    ///
+    /// # Errors
+    /// Why the first one that says it keeps the contract cannot be used.
+    pub fn model(&self, contract: &Contract) -> Result<Option<CheckedModel>, OnnxError> {
+        if self.models.off {
+            return Ok(None);
+        }
+        let mut keepers = ModelFolder::find(&self.model_folders()).into_iter().flatten();
+        let Some(found) = keepers.find(|model| model.description.contract == contract.id) else {
+            return Ok(None);
+        };
+        let registry = Registry::load(Some(&self.user_models()))?;
+        let trust = Trust { registry: &registry, unlisted: self.models.allow_unlisted };
+        found.checked(contract.graphs, trust).map(Some)
+    }
+
+    /// What every model in use is, for the record of what went into a result. Those that cannot be used do not count.
+    pub fn model_identities(&self) -> Vec<(&'static str, String)> {
+        let identity =
+            |contract: &Contract| Some((contract.id, self.model(contract).ok()??.identity().to_owned()));
+        CONTRACTS.iter().filter_map(identity).collect()
+    }
+
+    /// ONNX Runtime.
+    ///
+    /// # Errors
+    /// When it is missing or does not load.
+    pub fn runtime(&self) -> Result<Runtime, OnnxError> {
+        Runtime::load(&self.onnx_runtime(), self.models.runtime)
+    }
+
+    /// The back end of a stage that uses `contract` where a model keeps it and loads, and `embedded` otherwise.
+    pub(super) fn backend(&self, contract: &Contract, embedded: &str) -> String {
+        let loads = |model: &CheckedModel| self.try_model(model).is_ok();
+        let active = self.model(contract).ok().flatten().filter(loads);
+        let name = |model: CheckedModel| format!("{}, else {embedded}", model.description().name);
+        active.map_or_else(|| embedded.to_owned(), name)
+    }
+
+    /// Every model that is there, for `doctor`.
+    pub fn examine_models(&self) -> Vec<ModelReport> {
+        let report = |found: Result<ModelFolder, OnnxError>| match found {
+            Ok(model) => self.examine_model(&model),
+            Err(error) => ModelReport {
+                name: "model".to_owned(),
+                contract: "unknown".to_owned(),
+                state: Err(error),
+                warning: None,
+            },
+        };
+        ModelFolder::find(&self.model_folders()).into_iter().map(report).collect()
+    }
+
+    fn examine_model(&self, model: &ModelFolder) -> ModelReport {
+        let description = &model.description;
+        let contract = CONTRACTS.iter().find(|contract| contract.id == description.contract);
+        let state = match contract {
+            Some(contract) => Registry::load(Some(&self.user_models())).and_then(|registry| {
+                let trust = Trust { registry: &registry, unlisted: self.models.allow_unlisted };
+                self.try_model(&model.checked(contract.graphs, trust)?)
+            }),
+            None => Err(unknown_contract(&model.folder, &description.contract)),
+        };
+        let warning = description.non_commercial.then(|| {
+            format!("{}: its licence ({}) forbids commercial use", description.name, description.licence)
+        });
+        ModelReport { name: description.name.clone(), contract: description.contract.clone(), state, warning }
+    }
+
+    /// Loads a model as its stage would.
+    fn try_model(&self, model: &CheckedModel) -> Result<(), OnnxError> {
+        let runtime = self.runtime()?;
+        match model.description().contract.as_str() {
+            id if id == VIDEO_INPAINT.id => VideoNetwork::open(&runtime, model).map(drop),
+            id if id == SAM2_IMAGE.id => ImageSegmenter::open(&runtime, model).map(drop),
+            id if id == SAM2_VIDEO.id => VideoSegmenter::open(&runtime, model).map(drop),
+            other => Err(model.wrong(format!("no stage uses the contract {other}"))),
+        }
+    }
+}
+
+fn unknown_contract(folder: &Path, found: &str) -> OnnxError {
+    let known: Vec<&str> = CONTRACTS.iter().map(|contract| contract.id).collect();
+    OnnxError::Description {
+        path: folder.join("model.toml"),
+        reason: format!("contract `{found}` is not one of {}", known.join(", ")),
+    }
+}

@@ -1,0 +1,117 @@
+//! The background without the human: by a network where one is active, else by plates.
+
+use std::{cell::Cell, fs, sync::Arc};
+
+use serde::{Deserialize, Serialize};
+
+use super::context::Context;
+use crate::{
+    clip::{FrameIndex, FrameSource as _, FrameStore, FrameStoreWriter, StandardClip, StoreError},
+    image::Rgb8,
+    inpaint::{
+        self, InpaintError, InpaintParams, InpaintReport, SinkError,
+        video::{VIDEO_INPAINT, VideoNetwork, clean_by_network},
+    },
+    pipeline::{ClipFailure, ExitCode, Key, Stage, reporter::StageWatch},
+    segment::{MaskTrack, arms::ArmTrack},
+};
+
+/// What the background stage leaves: the frames on disk, the report in memory.
+#[derive(Debug)]
+pub struct Background {
+    /// Every frame without arms; the visible object is still in it.
+    pub frames: FrameStore,
+    /// Where its pixels come from.
+    pub report: Arc<InpaintReport>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Sealed {
+    report: InpaintReport,
+}
+
+/// What is done without a network.
+const INSTEAD: &str = "background from plates";
+
+/// Masks of arms and object, and the keys of what they were made from.
+type Masks<'a> = (&'a MaskTrack, &'a MaskTrack, [&'a Key; 2]);
+/// Takes finished frames in order.
+type Sink<'a> = dyn FnMut(FrameIndex, &Rgb8) -> Result<(), SinkError> + 'a;
+
+/// The background without the human, kept in a frame store in the cache.
+pub(super) fn background(
+    context: &Context<'_>,
+    clip: &StandardClip,
+    arms: (&ArmTrack, &Key),
+    object: (&MaskTrack, &Key),
+) -> Result<Background, ClipFailure> {
+    let params = InpaintParams::default();
+    let masks = (&arms.0.union, object.0, [arms.1, object.1]);
+    if let Some(made) = by_network(context, clip, masks, &params)? {
+        return Ok(made);
+    }
+    let key = Key::new(Stage::Inpaint, &masks.2, &params)?;
+    kept(context, clip, &key, |sink, watch| {
+        inpaint::clean(clip, masks.0, masks.1, None, &params, sink, watch)
+    })
+}
+
+/// `None` where no network is active or it failed, which is said in one line.
+fn by_network(
+    context: &Context<'_>,
+    clip: &StandardClip,
+    masks: Masks<'_>,
+    params: &InpaintParams,
+) -> Result<Option<Background>, ClipFailure> {
+    let installation = context.installation;
+    let Some(model) = context.model(&VIDEO_INPAINT, INSTEAD) else { return Ok(None) };
+    let blend = installation.models.blend;
+    let key = Key::new(Stage::Inpaint, &masks.2, &(params, model.identity(), blend))?;
+    let failed = Cell::new(None);
+    let made = kept(context, clip, &key, |sink, watch| {
+        let network = installation.runtime().and_then(|runtime| VideoNetwork::open(&runtime, &model));
+        let cleaned = network.map_err(InpaintError::from).and_then(|mut network| {
+            clean_by_network(clip, (masks.0, masks.1), params, (&mut network, blend), sink, watch)
+        });
+        cleaned.inspect_err(|error| {
+            if let InpaintError::Network(error) = error {
+                failed.set(Some(error.clone()));
+            }
+        })
+    });
+    match (made, failed.take()) {
+        (Err(_), Some(error)) => {
+            context.fall_back(&error, INSTEAD);
+            Ok(None)
+        }
+        (made, _) => made.map(Some),
+    }
+}
+
+/// What `make` hands to its sink, as a frame store in the cache; made only where it is not there yet.
+fn kept(
+    context: &Context<'_>,
+    clip: &StandardClip,
+    key: &Key,
+    make: impl FnOnce(&mut Sink<'_>, &StageWatch<'_>) -> Result<InpaintReport, InpaintError>,
+) -> Result<Background, ClipFailure> {
+    let path = context.cache.path(Stage::Inpaint, key, "frames");
+    let whole = FrameStore::open(&path).ok().filter(|store| store.frame_count() == clip.frame_count());
+    if whole.is_none() {
+        // Without its frames the report is of no use: make both again.
+        fs::remove_file(context.cache.path(Stage::Inpaint, key, "json")).ok();
+    }
+    let failed = |error: StoreError| ClipFailure::from_error(&error, ExitCode::InputOutput);
+    let sealed = context.stage(Stage::Inpaint, |watch| {
+        context.cache.get_or_make(Stage::Inpaint, key, || {
+            let mut writer = FrameStoreWriter::create(&path, clip.size()).map_err(failed)?;
+            let mut sink = |_: FrameIndex, frame: &Rgb8| Ok(writer.push(frame)?);
+            let report = make(&mut sink, watch)
+                .map_err(|error| ClipFailure::from_error(&error, ExitCode::Internal))?;
+            writer.finish().map_err(failed)?;
+            Ok::<_, ClipFailure>(Sealed { report })
+        })
+    })?;
+    let frames = FrameStore::open(&path).map_err(failed)?;
+    Ok(Background { frames, report: Arc::new(sealed.report) })
+}
