@@ -12,21 +12,25 @@ use agenticfocus::{
     clip::{FrameIndex, FramesInMemory},
     geometry::{Pixel, PixelBox, Size},
     image::{Mask, Rgb8},
-    onnx::{ModelFolder, OnnxError, Registry, Runtime, RuntimeOptions, Trust},
+    onnx::{CheckedModel, Contract, ModelFolder, OnnxError, Registry, Runtime, RuntimeOptions, Trust},
     progress::Unwatched,
     segment::{
         MaskAuthor, MaskFlag, MaskTrack, RleMask, SegmentError,
         object::{ObjectPrompt, PromptKind},
-        sam2::{SAM2_VIDEO, VideoSegmenter, track_object},
+        sam2::{ImageSegmenter, SAM2_IMAGE, SAM2_VIDEO, VideoSegmenter, segment_frame, track_object},
     },
 };
-use tiny_models::{red_things, write_model};
+use tiny_models::{red_picture, red_things, write_model};
 
 const SIZE: Size = Size { width: 64, height: 64 };
 const COUNT: usize = 24;
-const DESCRIPTION: &str = "contract = \"sam2-video/1\"\nname = \"Red\"\nlicence = \"MIT\"\n";
 
-fn network() -> Option<VideoSegmenter> {
+/// The model of those graphs, loaded by `open`.
+fn loaded<T>(
+    contract: &Contract,
+    graphs: &[(&str, Vec<u8>)],
+    open: impl FnOnce(&Runtime, &CheckedModel) -> Result<T, OnnxError>,
+) -> Option<T> {
     let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(".deps/onnxruntime/libonnxruntime.so.1.31.1");
     if !library.is_file() {
         println!("skipped: no ONNX Runtime at {}", library.display());
@@ -34,11 +38,16 @@ fn network() -> Option<VideoSegmenter> {
     }
     let runtime = Runtime::load(&library, RuntimeOptions::default()).unwrap();
     let root = tempfile::tempdir().unwrap();
-    write_model(root.path(), "red", DESCRIPTION, &red_things());
+    let description = format!("contract = \"{}\"\nname = \"Red\"\nlicence = \"MIT\"\n", contract.id);
+    write_model(root.path(), "red", &description, graphs);
     let found = ModelFolder::find(&[root.path().to_owned()]).remove(0).unwrap();
     let registry = Registry::default();
-    let checked = found.checked(SAM2_VIDEO.graphs, Trust { registry: &registry, unlisted: true }).unwrap();
-    Some(VideoSegmenter::open(&runtime, &checked).unwrap())
+    let checked = found.checked(contract.graphs, Trust { registry: &registry, unlisted: true }).unwrap();
+    Some(open(&runtime, &checked).unwrap())
+}
+
+fn network() -> Option<VideoSegmenter> {
+    loaded(&SAM2_VIDEO, &red_things(), VideoSegmenter::open)
 }
 
 /// A red square that moves four pixels every other frame; hidden for a while; another one far away that stays.
@@ -162,4 +171,25 @@ fn a_prompt_beyond_the_clip_and_none_at_all_are_refused() {
     assert!(matches!(track(&clip(false), &[]).unwrap(), Err(SegmentError::NoPrompt)));
     let failed: SegmentError = OnnxError::Run { graph: "mask_decoder", reason: "no".to_owned() }.into();
     assert!(failed.to_string().contains("mask_decoder"));
+}
+
+#[test]
+fn a_click_or_a_box_gives_a_mask_at_once_with_the_graphs_of_either_exporter() {
+    for hugging_face in [false, true] {
+        let graphs = red_picture(hugging_face);
+        let Some(mut network) = loaded(&SAM2_IMAGE, &graphs, ImageSegmenter::open) else { return };
+        let clip = clip(false);
+        let many = PromptKind::Points {
+            positive: vec![Pixel::new(4.0, 12.0), Pixel::new(9.0, 12.0), Pixel::new(9.0, 20.0)],
+            negative: vec![Pixel::new(40.0, 40.0)],
+        };
+        for kind in [PromptKind::Box(square(2).unwrap()), many] {
+            let prompt = ObjectPrompt::new(FrameIndex(2), kind);
+            let mask = segment_frame(&clip, &prompt, &mut network).unwrap();
+            assert!(is_square(&mask, 2), "{:?}", mask.decode().bounding_box());
+        }
+        let nothing = PromptKind::Points { positive: Vec::new(), negative: Vec::new() };
+        let refused = segment_frame(&clip, &ObjectPrompt::new(FrameIndex(2), nothing), &mut network);
+        assert!(matches!(refused, Err(SegmentError::Prompt { .. })));
+    }
 }

@@ -182,8 +182,12 @@ fn each_tensor_that_differs_is_named_with_what_was_expected_of_it() {
                     assert!(error.to_string().contains(&expected), "{exporter}: {error}");
                 };
                 says(probe(&|tensor| tensor.element = Err("f64".to_owned())), "type");
-                says(probe(&|tensor| tensor.shape.push(7)), "rank");
+                says(probe(&|tensor| tensor.shape.extend([7, 7])), "rank");
                 let renamed = probe(&|tensor| tensor.name = "other".to_owned());
+                if outputs.iter().filter(|other| part.is_named(&other.name)).count() > 1 {
+                    // Another output goes by one of the part's names.
+                    continue;
+                }
                 if part.optional {
                     assert!(matches!(renamed, Err(Mismatch::Unexpected { .. })), "{exporter}: {renamed:?}");
                 } else {

@@ -227,3 +227,92 @@ fn coarse_mask() -> Vec<u8> {
         .output("maskmem_pos_enc", F, &[16, 1, 64])
         .bytes()
 }
+
+/// `sam2-image/1` with S = 64: what is red is the object, wherever somebody clicks. Names and ranks of samexporter, or
+/// of Hugging Face's exporter.
+pub fn red_picture(hugging_face: bool) -> Vec<(&'static str, Vec<u8>)> {
+    let names = if hugging_face {
+        ["pixel_values", "image_embeddings.0", "image_embeddings.1", "image_embeddings.2"]
+    } else {
+        ["image", "high_res_feats_0", "high_res_feats_1", "image_embed"]
+    };
+    vec![
+        ("encoder.onnx", red_picture_encoder(names)),
+        ("decoder.onnx", red_picture_decoder([names[3], names[1], names[2]], hugging_face)),
+    ]
+}
+
+fn red_picture_encoder(names: [&str; 4]) -> Vec<u8> {
+    let [image, high_0, high_1, embedding] = names;
+    let mut writer = GraphWriter::new()
+        .input(image, F, &[-1, 3, 64, 64])
+        // Of normalised colours: about 4 where it is red, about 0 where it is grey.
+        .floats("weights", &[1, 3, 1, 1], &[1.0, -0.5, -0.5])
+        .node("Conv", &[image, "weights"], "red", &[]);
+    for (size, channels, to) in [(4, 32, high_0), (8, 64, high_1), (16, 256, embedding)] {
+        let (pooled, shape) = (format!("red{size}"), format!("shape{size}"));
+        let attributes =
+            [("kernel_shape", Value::Integers(&[size, size])), ("strides", Value::Integers(&[size, size]))];
+        writer = writer
+            .integers(&shape, &[4], &[1, channels, 64 / size, 64 / size])
+            .node("AveragePool", &["red"], &pooled, &attributes)
+            .node("Expand", &[&pooled, &shape], to, &[])
+            .output(to, F, &[1, channels, 64 / size, 64 / size]);
+    }
+    writer.bytes()
+}
+
+fn red_picture_decoder(features: [&str; 3], hugging_face: bool) -> Vec<u8> {
+    let [embedding, high_0, high_1] = features;
+    let mut writer = GraphWriter::new()
+        .input(embedding, F, &[1, 256, 4, 4])
+        .input(high_0, F, &[1, 32, 16, 16])
+        .input(high_1, F, &[1, 64, 8, 8])
+        .floats("zero", &[1], &[0.0])
+        .floats("ten", &[1], &[10.0])
+        .floats("twenty", &[1], &[20.0])
+        .floats("slots", &[1, 3, 1, 1], &[-1.0, 1.0, -1.0])
+        .integers("from", &[1], &[0])
+        .integers("to", &[1], &[1])
+        .integers("channel", &[1], &[1]);
+    let more: &[(&str, Element, &[i64])] = if hugging_face {
+        &[
+            ("input_points", F, &[-1, -1, -1, 2]),
+            ("input_labels", Element::I64, &[-1, -1, -1]),
+            ("input_boxes", F, &[-1, -1, 4]),
+        ]
+    } else {
+        &[
+            ("point_coords", F, &[-1, -1, 2]),
+            ("point_labels", F, &[-1, -1]),
+            ("mask_input", F, &[-1, 1, 16, 16]),
+            ("has_mask_input", F, &[1]),
+        ]
+    };
+    let mut sum = vec!["three".to_owned()];
+    for (name, element, shape) in more {
+        writer = unused(writer.input(name, *element, shape), name);
+        sum.push(format!("{name}_none"));
+    }
+    let sum: Vec<&str> = sum.iter().map(String::as_str).collect();
+    let (masks, fits, rank) = if hugging_face {
+        ("pred_masks", "iou_scores", vec![1, 1])
+    } else {
+        ("masks", "iou_predictions", vec![1])
+    };
+    let shape = |end: &[i64]| [rank.as_slice(), end].concat();
+    let (mask_shape, fit_shape) = (shape(&[3, 16, 16]), shape(&[3]));
+    writer
+        .integers("mask_shape", &[mask_shape.len() as i64], &mask_shape)
+        .floats("fits", &fit_shape, &[0.1, 0.9, 0.3])
+        .node("Slice", &[high_0, "from", "to", "channel"], "red", &[])
+        .node("Mul", &["red", "ten"], "strong", &[])
+        .node("Sub", &["strong", "twenty"], "logits", &[])
+        .node("Mul", &["logits", "slots"], "three", &[])
+        .node("Sum", &sum, "kept", &[])
+        .node("Reshape", &["kept", "mask_shape"], masks, &[])
+        .node("Identity", &["fits"], fits, &[])
+        .output(masks, F, &mask_shape)
+        .output(fits, F, &fit_shape)
+        .bytes()
+}

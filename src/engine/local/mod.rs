@@ -1,6 +1,7 @@
 //! The engine in this process: the batch's own pipeline on threads of its own.
 
 mod desk;
+mod drafts;
 mod exporter;
 mod keeper;
 mod listener;

@@ -6,6 +6,7 @@ use std::{
 };
 
 use super::{
+    drafts::Drafts,
     panic_text,
     scene::{DraftWish, PaintJob, Scene, Shared},
 };
@@ -16,13 +17,8 @@ use crate::{
     geometry::Size,
     image::Rgb8,
     pipeline::{FramePixels, compose_frame, layers_of, render_robot, robot_renderer},
-    progress::Unwatched,
     render::{OrbitRenderer, RobotRenderer},
     robot::RobotModel,
-    segment::{
-        RleMask,
-        object::{self, ObjectParams, ObjectPrompt, PromptKind},
-    },
 };
 
 /// The painter's own things; OpenGL contexts belong to its thread.
@@ -33,7 +29,7 @@ struct Studio {
 }
 
 pub(super) fn run(shared: &Shared) {
-    let mut studio = Studio::default();
+    let (mut studio, mut drafts) = (Studio::default(), Drafts::default());
     loop {
         match shared.next_paint_job() {
             PaintJob::Stop => return,
@@ -47,8 +43,11 @@ pub(super) fn run(shared: &Shared) {
                 shared.tell(Event::Picture { request, result });
             }
             PaintJob::Draft(wish) => {
-                let drawn = catch_unwind(AssertUnwindSafe(|| draft(shared, &wish)));
-                let result = drawn.unwrap_or_else(|panic| Err(panic_text(&*panic)));
+                let drawn = catch_unwind(AssertUnwindSafe(|| drafts.mask(shared, &clip_of(shared)?, &wish)));
+                let result = drawn.unwrap_or_else(|panic| {
+                    drafts = Drafts::default();
+                    Err(panic_text(&*panic))
+                });
                 let DraftWish { layer, frame, positive, negative, .. } = wish;
                 let points = (positive, negative);
                 shared.tell(Event::Draft { layer, frame, points, result: result.map(Arc::new) });
@@ -146,15 +145,4 @@ fn orbit(
     let Some((_, renderer)) = &mut studio.orbit else { return Err("no renderer".to_owned()) };
     let angles = scene.found.motion.angles.get(frame.as_usize()).ok_or("beyond the clip's end")?;
     renderer.render(angles, camera, size).map_err(|error| error.to_string())
-}
-
-/// A mask from points, on one frame alone.
-fn draft(shared: &Shared, wish: &DraftWish) -> Result<RleMask, String> {
-    let clip = clip_of(shared)?;
-    let kind = PromptKind::Points { positive: wish.positive.clone(), negative: wish.negative.clone() };
-    let prompt = ObjectPrompt::new(wish.frame, kind);
-    let arms = shared.scene().filter(|_| wish.arms_matter).map(|scene| Arc::clone(&scene.found.arms));
-    let arms = arms.map(|arms| arms.union.frame(wish.frame).mask.clone());
-    object::segment_frame(&*clip, &prompt, arms, &ObjectParams::default(), &Unwatched)
-        .map_err(|error| error.to_string())
 }
