@@ -4,7 +4,8 @@ mod support;
 
 use agenticfocus::{
     engine::Access,
-    retarget::Beta,
+    geometry::PerSide,
+    retarget::{Beta, Smoothing, WristTurn},
     session::{Command, Entry, LockHolder, RetargetSettings, Step},
 };
 use agenticfocus_ui::{
@@ -113,8 +114,11 @@ fn work_in_progress_can_be_held_and_stopped() {
 
 #[test]
 fn changed_parameters_have_a_dot_and_errors_a_plot() {
-    snapshot_of(Step::Retarget, "inspector_retarget_changed", 960.0, |bench| {
+    snapshot_of(Step::Retarget, "inspector_retarget_changed", 1180.0, |bench| {
+        let right = WristTurn { pitch_deg: -4.0, ..WristTurn::default() };
         let settings = RetargetSettings {
+            smoothing: Some(Smoothing::Ema),
+            wrist: PerSide { left: WristTurn::default(), right },
             beta: Some(Beta::Fixed(0.75)),
             offset: Some([0.1, 0.0, 0.4299]),
             ..RetargetSettings::default()

@@ -10,7 +10,7 @@ use std::{
 use agenticfocus::{
     clip::FrameIndex,
     engine::{Access, Request, SaveState, WorkFailure},
-    session::{LockHolder, Step},
+    session::{Command, Entry, LockHolder, Step},
 };
 use agenticfocus_ui::{
     action::Action,
@@ -226,7 +226,12 @@ fn dragging_scrubs_and_with_shift_selects() {
 
 #[test]
 fn hovering_the_timeline_tells_who_made_a_frame_and_what_is_doubtful() {
-    let mut harness = window(Bench::new(Tokens::dark()), WIDE);
+    // The keyframes of the placement are joined: a thick line between them.
+    let joined = Command::SetInterpolated { frame: FrameIndex(20), interpolated: true };
+    let bench = with(Tokens::dark(), |_, workspace| {
+        assert!(workspace.history.apply(Entry::Do(joined)).unwrap());
+    });
+    let mut harness = window(bench, WIDE);
     harness.run();
     let rect = harness.get_by_label("Timeline").rect();
     let x = rect.left() + 72.0 + (33.5 / 60.0) * (rect.width() - 84.0);
@@ -234,6 +239,7 @@ fn hovering_the_timeline_tells_who_made_a_frame_and_what_is_doubtful() {
     harness.run_steps(40);
     harness.get_by_label("Frame 33 · 1.10 s");
     harness.get_by_label_contains("overlaps little with the frame before");
+    harness.get_by_label("between a person's frames 20 and 42");
     harness.snapshot("timeline_hover");
 }
 
