@@ -75,6 +75,36 @@ fn what_is_not_saved_is_said_loudly_until_it_is_saved() {
     assert!(window.harness.query_by_label("Saved").is_some());
 }
 
+/// Closes the window as the system asks for it; whether it obeys.
+fn closes(window: &mut Window) -> bool {
+    let root = window.harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+    root.events.push(egui::ViewportEvent::Close);
+    window.harness.step();
+    let told = &window.harness.output().viewport_output[&egui::ViewportId::ROOT].commands;
+    !told.contains(&egui::ViewportCommand::CancelClose)
+}
+
+#[test]
+fn the_first_wish_to_close_is_held_while_changes_are_not_on_disk_and_the_second_is_obeyed() {
+    let not_saved = || {
+        let reason = "disk full".to_owned();
+        Event::Save(SaveState::NotSaved { saved: 0, since: SystemTime::UNIX_EPOCH, reason })
+    };
+    let mut window = Window::with_session(Access::Writable);
+    window.act(Action::Change(Command::SetReview(ReviewState::Accepted)));
+    window.tell(not_saved());
+    assert!(!closes(&mut window));
+    window.harness.run_steps(2);
+    assert!(window.says("1 change is not saved: disk full"));
+    // Saving is tried again and again meanwhile.
+    window.tell(not_saved());
+    window.act(Action::Change(Command::SetReview(ReviewState::Unreviewed)));
+    window.tell(not_saved());
+    assert!(!closes(&mut window), "there is more to lose now");
+    window.tell(not_saved());
+    assert!(closes(&mut window));
+}
+
 #[test]
 fn a_damaged_session_is_named_and_the_window_lives_on() {
     let damaged = |path: &Path| Event::NotOpened {

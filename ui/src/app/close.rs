@@ -6,22 +6,26 @@ use egui::{Context, ViewportCommand};
 use super::OperatorApp;
 
 impl OperatorApp {
-    /// Holds the first wish to close while changes are not on disk; the second one is obeyed.
+    /// Holds the first wish to close while changes are not on disk; the second one is obeyed, unless there are more
+    /// changes by then.
     pub(super) fn guard_closing(&mut self, ctx: &Context) {
-        if !ctx.input(|input| input.viewport().close_requested()) || self.told_unsaved {
+        if !ctx.input(|input| input.viewport().close_requested()) {
             return;
         }
-        let Some(SaveState::NotSaved { saved, reason, .. }) =
-            self.workspace.as_ref().map(|workspace| workspace.save.clone())
-        else {
+        let Some(workspace) = &self.workspace else { return };
+        let SaveState::NotSaved { saved, reason, .. } = &workspace.save else { return };
+        let sent = workspace.changes_sent;
+        if self.told_unsaved.replace(sent) == Some(sent) {
             return;
+        }
+        let lost = match sent.saturating_sub(*saved) {
+            1 => "1 change is".to_owned(),
+            count => format!("{count} changes are"),
         };
-        let sent = self.workspace.as_ref().map_or(0, |workspace| workspace.changes_sent);
-        let lost = sent.saturating_sub(saved);
+        let text = format!(
+            "{lost} not saved: {reason}. Free space or save elsewhere; close again to drop what is not"
+        );
         ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-        self.told_unsaved = true;
-        self.say(&format!(
-            "{lost} changes are not saved: {reason}. Free space or save elsewhere; close again to drop them"
-        ));
+        self.say(&text);
     }
 }

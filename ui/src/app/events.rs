@@ -54,10 +54,7 @@ impl OperatorApp {
     fn hear_of_session(&mut self, event: Event) {
         let Some(workspace) = &mut self.workspace else { return };
         match event {
-            Event::Save(state) => {
-                workspace.save = state;
-                self.told_unsaved = false;
-            }
+            Event::Save(state) => workspace.save = state,
             Event::Progress { stage, share, left } => {
                 let paused = matches!(workspace.work, Work::Running { paused: true, .. });
                 workspace.work = Work::Running { stage, share, left, paused };

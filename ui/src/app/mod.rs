@@ -59,8 +59,8 @@ pub struct OperatorApp {
     memory: Option<remember::Memory>,
     /// A session to try the window with.
     demo: Option<PathBuf>,
-    /// Whether the operator was told that closing drops changes.
-    told_unsaved: bool,
+    /// Up to which change the operator was told that closing drops what is not on disk.
+    told_unsaved: Option<u64>,
     /// Whether a control had the keyboard in the last frame.
     held_keyboard: bool,
 }
@@ -93,7 +93,7 @@ impl OperatorApp {
             recent: remember::Recent::default(),
             memory: None,
             demo: None,
-            told_unsaved: false,
+            told_unsaved: None,
             held_keyboard: false,
         }
     }
