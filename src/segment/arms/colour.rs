@@ -4,6 +4,7 @@ use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, MatTraitManual};
 
 use super::{
     plate::{NEUTRAL, UNKNOWN},
+    shade::Shadows,
     work_frame::WorkFrame,
 };
 use crate::vision::{LabHistogram, binary};
@@ -41,15 +42,22 @@ impl Default for ColourModel {
 }
 
 impl ColourModel {
-    /// Counts the pixels of `frame` inside `arm` and inside `background`.
-    pub fn learn(&mut self, frame: &WorkFrame, arm: &Mat, background: &Mat) -> opencv::Result<()> {
+    /// Counts the pixels of `frame` inside `arm` and inside `background`, these also in `shadows`.
+    pub fn learn(
+        &mut self,
+        frame: &WorkFrame,
+        arm: &Mat,
+        background: &Mat,
+        shadows: &Shadows,
+    ) -> opencv::Result<()> {
+        let possible = SHADOWS.into_iter().filter(|(ratio, _)| shadows.reach(*ratio));
         let masks = arm.data_bytes()?.iter().zip(background.data_bytes()?);
         for (lab, (arm, background)) in frame.pixels()?.iter().zip(masks) {
             if *arm != 0 {
                 self.arm.add(*lab);
             } else if *background != 0 {
                 self.background.add(*lab);
-                for (ratio, weight) in SHADOWS {
+                for (ratio, weight) in possible.clone() {
                     self.background.add_weighted(shaded(*lab, ratio), weight);
                 }
             }

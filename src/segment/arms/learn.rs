@@ -147,7 +147,7 @@ fn first_model(clip: &Clip<'_>, chosen: &[usize]) -> Result<ColourModel, Segment
         let core = binary::eroded(&core, 1)?;
         let far = binary::map2(&near, &near, |near, _| if near == 0 { 255 } else { 0 })?;
         let far = if whole { far } else { binary::empty(rows, cols)? };
-        model.learn(&frame, &core, &far)?;
+        model.learn(&frame, &core, &far, &clip.shadows())?;
         Ok(model)
     };
     let models = chosen
@@ -250,7 +250,7 @@ fn learn_from_mask(
 ) -> opencv::Result<()> {
     let inside = binary::eroded(mask, 1)?;
     if !whole {
-        return model.learn(frame, &inside, &binary::empty(mask.rows(), mask.cols())?);
+        return model.learn(frame, &inside, &binary::empty(mask.rows(), mask.cols())?, &clip.shadows());
     }
     let near = binary::dilated(mask, (0.25 * clip.palm_width).round().clamp(3.0, 12.0) as i32)?;
     let mut behind = binary::empty(mask.rows(), mask.cols())?;
@@ -273,7 +273,7 @@ fn learn_from_mask(
             *outside = 0;
         }
     }
-    model.learn(frame, &inside, &outside)
+    model.learn(frame, &inside, &outside, &clip.shadows())
 }
 
 /// The tables after all rounds; `None` when there is nothing to learn from.
@@ -282,7 +282,7 @@ pub(super) fn learned(clip: &mut Clip<'_>, chosen: &[usize]) -> Result<Option<Le
         Some(object) => object_colours(clip, object)?,
         None => None,
     };
-    let first = first_model(clip, chosen)?;
+    let mut first = first_model(clip, chosen)?;
     if !first.is_usable() {
         return Ok(None);
     }
@@ -298,6 +298,8 @@ pub(super) fn learned(clip: &mut Clip<'_>, chosen: &[usize]) -> Result<Option<Le
         }
         if round == 0 {
             clip.align(&learned.tables.colour, chosen)?;
+            // The clip's shadows are known now: what is darker is no background.
+            first = first_model(clip, chosen)?;
         }
     }
     // Sleeves are known by now: they are no background.

@@ -10,6 +10,7 @@ mod params;
 mod plate;
 mod recurrence;
 mod scratch;
+mod shade;
 mod shape;
 mod sleeve;
 mod stray;
@@ -29,7 +30,7 @@ use rayon::prelude::*;
 use self::{
     cut::Evidence,
     learn::Learned,
-    plate::{PLATE_RUN, Plate},
+    plate::Plate,
     scratch::{Layer, Scratch, Towards},
     shape::{FROM_BELOW, HandShape},
     sweep::Swept,
@@ -373,30 +374,6 @@ impl<'a> Clip<'a> {
         let cut = cut::cut_frame(&frame, &Evidence { prior: Some(prior), ..evidence }, self.params)?;
         let kept = binary::iou(&cut, prior)? > 0.5;
         Ok(if kept { cut } else { prior.try_clone()? })
-    }
-
-    /// Aligns the background now that `table` tells roughly where arms are, and compares the `chosen` frames to it.
-    fn align(&mut self, table: &[u8], chosen: &[usize]) -> Result<(), SegmentError> {
-        self.plate = Some(Plate::build(self, table)?);
-        self.put_changes(&|index| chosen.binary_search(&index).is_ok())
-    }
-
-    /// Draws the background anew, now that `table` tells better where arms are, and compares all frames to it.
-    fn hide_again(&mut self, table: &[u8]) -> Result<(), SegmentError> {
-        if let Some(mut plate) = self.plate.take() {
-            plate.hide_again(self, table)?;
-            self.plate = Some(plate);
-        }
-        self.put_changes(&|_| true)
-    }
-
-    fn put_changes(&self, wanted: &(dyn Fn(usize) -> bool + Sync)) -> Result<(), SegmentError> {
-        let Some(plate) = &self.plate else { return Ok(()) };
-        let put = |run: &usize| {
-            plate.put_changes(self, run * PLATE_RUN..((run + 1) * PLATE_RUN).min(self.count()), wanted)
-        };
-        let all: Vec<usize> = (0..self.count().div_ceil(PLATE_RUN)).collect();
-        all.par_iter().map(put).collect()
     }
 
     /// A cheap guess at what is not background: [`plate::HIDDEN`] in hand hulls and on unseen arms,

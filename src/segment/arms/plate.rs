@@ -13,6 +13,7 @@ use super::{
     recurrence::{SUSPECT, Sample, recurring},
     runs,
     scratch::Layer,
+    shade::{ProvenShadows, Shade, Shadows},
     texture::{Likeness, Texture},
     work_frame::WorkFrame,
 };
@@ -40,13 +41,15 @@ const FEATURES: i32 = 250;
 const KEYFRAMES: usize = 40;
 
 /// Frames that share one plate: drawn once where the middle one sees it, then moved along.
-pub(super) const PLATE_RUN: usize = 8;
+const PLATE_RUN: usize = 8;
 
 /// Frames at work scale spread over the clip, with the homography of every frame to the first.
 pub(super) struct Plate {
     /// From each frame to the first of its unbroken run, and the run's number.
     placed: Vec<(usize, Matrix3<f64>)>,
     keyframes: Vec<Keyframe>,
+    /// What is known of the clip's shadows.
+    shadows: Shadows,
 }
 
 struct Keyframe {
@@ -86,7 +89,7 @@ impl Plate {
             }
             keyframes.extend(part.keyframes);
         }
-        Ok(Self { placed, keyframes })
+        Ok(Self { placed, keyframes, shadows: Shadows::default() })
     }
 
     /// The background's motion from one frame to another of the same unbroken run.
@@ -107,14 +110,27 @@ impl Plate {
         })
     }
 
+    /// What is known of the clip's shadows.
+    pub fn shadows(&self) -> Shadows {
+        self.shadows
+    }
+
+    /// Learns what the clip's shadows look like; whether that is news.
+    pub fn learn_shadows(&mut self, proven: &ProvenShadows) -> bool {
+        let learned = proven.learned().unwrap_or_default();
+        std::mem::replace(&mut self.shadows, learned) != learned
+    }
+
     /// The change of the `wanted` frames of `run` (no more than [`PLATE_RUN`] frames in a row), kept in the scratch file.
+    /// Returns what proves shadows there.
     pub fn put_changes(
         &self,
         clip: &Clip<'_>,
         run: std::ops::Range<usize>,
         wanted: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Result<(), SegmentError> {
+    ) -> Result<ProvenShadows, SegmentError> {
         let mut drawn: Option<Drawn> = None;
+        let mut proven = ProvenShadows::default();
         for index in run.clone().filter(|index| wanted(*index)) {
             clip.watch.check()?;
             let unbroken = drawn.as_ref().is_some_and(|d| self.placed[d.index].0 == self.placed[index].0);
@@ -124,12 +140,12 @@ impl Plate {
             }
             let frame = clip.scratch.frame(index)?;
             let change = match &drawn {
-                Some(drawn) => change(&frame, &self.moved(drawn, index)?)?,
+                Some(drawn) => change(&frame, &self.moved(drawn, index)?, &self.shadows, &mut proven)?,
                 None => binary::map2(&frame.grey, &frame.grey, |_, _| UNKNOWN)?,
             };
             clip.scratch.put(index, Layer::Change, &change)?;
         }
-        Ok(())
+        Ok(proven)
     }
 
     /// The plate of one frame on the grid of another of the same unbroken run.
@@ -242,6 +258,49 @@ impl Plate {
     }
 }
 
+impl Clip<'_> {
+    /// Aligns the background now that `table` tells roughly where arms are, and compares the `chosen` frames to it.
+    pub(super) fn align(&mut self, table: &[u8], chosen: &[usize]) -> Result<(), SegmentError> {
+        self.plate = Some(Plate::build(self, table)?);
+        let wanted = |index: usize| chosen.binary_search(&index).is_ok();
+        let proven = self.put_changes(&wanted)?;
+        if let Some(plate) = &mut self.plate
+            && plate.learn_shadows(&proven)
+        {
+            self.put_changes(&wanted)?;
+        }
+        Ok(())
+    }
+
+    /// Draws the background anew, now that `table` tells better where arms are, and compares all frames to it.
+    pub(super) fn hide_again(&mut self, table: &[u8]) -> Result<(), SegmentError> {
+        if let Some(mut plate) = self.plate.take() {
+            plate.hide_again(self, table)?;
+            self.plate = Some(plate);
+        }
+        self.put_changes(&|_| true)?;
+        Ok(())
+    }
+
+    /// What is known of the clip's shadows so far.
+    pub(super) fn shadows(&self) -> Shadows {
+        self.plate.as_ref().map(Plate::shadows).unwrap_or_default()
+    }
+
+    fn put_changes(&self, wanted: &(dyn Fn(usize) -> bool + Sync)) -> Result<ProvenShadows, SegmentError> {
+        let Some(plate) = &self.plate else { return Ok(ProvenShadows::default()) };
+        let put = |run: &usize| {
+            plate.put_changes(self, run * PLATE_RUN..((run + 1) * PLATE_RUN).min(self.count()), wanted)
+        };
+        let all: Vec<usize> = (0..self.count().div_ceil(PLATE_RUN)).collect();
+        let proven = all.par_iter().map(put).collect::<Result<Vec<_>, SegmentError>>()?;
+        Ok(proven.iter().fold(ProvenShadows::default(), |mut sum, proven| {
+            sum.merge(proven);
+            sum
+        }))
+    }
+}
+
 /// At most `most` of `from`, evenly spread.
 fn spread<'k>(from: &[&'k Keyframe], most: usize) -> Vec<&'k Keyframe> {
     if most == 0 {
@@ -252,8 +311,14 @@ fn spread<'k>(from: &[&'k Keyframe], most: usize) -> Vec<&'k Keyframe> {
 }
 
 /// Lab distance of `frame` from the background behind it, CV_8UC1, at most 254; [`UNKNOWN`] where fewer than two
-/// key frames saw the background, [`SHADOW`] where it is seen in shadow.
-fn change(frame: &WorkFrame, plate: &Drawn) -> opencv::Result<Mat> {
+/// key frames saw the background, [`SHADOW`] where it is seen in one of `shadows`. Counts in `proven` what shows the
+/// background's texture in shadow.
+fn change(
+    frame: &WorkFrame,
+    plate: &Drawn,
+    shadows: &Shadows,
+    proven: &mut ProvenShadows,
+) -> opencv::Result<Mat> {
     let (rows, cols) = (frame.grey.rows(), frame.grey.cols());
     let pixels = frame.pixels()?;
     let backgrounds = plate.lab.data_bytes()?.as_chunks::<3>().0;
@@ -266,7 +331,7 @@ fn change(frame: &WorkFrame, plate: &Drawn) -> opencv::Result<Mat> {
             continue;
         }
         let (pixel, background) = (pixels[position], backgrounds[position]);
-        shades[position] = is_shaded(pixel, background);
+        shades[position] = shadows.shade(pixel, background);
         let squared: i32 =
             (0..3).map(|channel| (i32::from(pixel[channel]) - i32::from(background[channel])).pow(2)).sum();
         let difference = (squared as f32).sqrt().min(254.0) as u8;
@@ -275,43 +340,18 @@ fn change(frame: &WorkFrame, plate: &Drawn) -> opencv::Result<Mat> {
     let alike = Likeness::of(&frame.lab, &plate.lab)?;
     let cols = cols as usize;
     for (position, (value, shade)) in change.data_bytes_mut()?.iter_mut().zip(shades).enumerate() {
-        let alike = || alike.at(position % cols, position / cols);
-        let shadow = match shade {
-            Shade::Surely => alike() != Texture::Other,
-            Shade::Perhaps => alike() == Texture::Same,
-            Shade::No => false,
-        };
-        if shadow {
+        if shade == Shade::No {
+            continue;
+        }
+        let texture = alike.at(position % cols, position / cols);
+        if doubts[position] == 0 {
+            proven.add(pixels[position], backgrounds[position], texture);
+        }
+        if texture == Texture::Same || (texture == Texture::Flat && shade == Shade::Surely) {
             *value = SHADOW;
         }
     }
     Ok(change)
-}
-
-/// Whether a pixel may be the background in shadow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shade {
-    No,
-    /// Darker and of a similar hue: shadow if the background's texture shows through.
-    Perhaps,
-    /// Darker and of the very same hue.
-    Surely,
-}
-
-/// A shadow scales lightness and with it chroma (both in OpenCV's 8-bit Lab).
-fn is_shaded(pixel: [u8; 3], background: [u8; 3]) -> Shade {
-    let ratio = f32::from(pixel[0]) / f32::from(background[0]).max(1.0);
-    if !(0.35..0.95).contains(&ratio) || background[0] < 40 {
-        return Shade::No;
-    }
-    let chroma = |lab: [u8; 3]| [f32::from(lab[1]) - 128.0, f32::from(lab[2]) - 128.0];
-    let (now, before) = (chroma(pixel), chroma(background));
-    let error = ((now[0] - ratio * before[0]).powi(2) + (now[1] - ratio * before[1]).powi(2)).sqrt();
-    match error {
-        error if error < 2.5 => Shade::Surely,
-        error if error < 7.0 => Shade::Perhaps,
-        _ => Shade::No,
-    }
 }
 
 /// Where arms are or may be on a frame, with a margin.
@@ -372,16 +412,4 @@ fn warped(lab: &Mat, hidden: &Mat, motion: &BackgroundMotion) -> opencv::Result<
     let nearest = imgproc::INTER_NEAREST | imgproc::WARP_INVERSE_MAP;
     imgproc::warp_perspective(hidden, &mut unseen, &matrix, size, nearest, border, Scalar::all(255.0))?;
     Ok((warped, unseen))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shadow_scales_lightness_and_chroma_and_skin_does_not_pass_for_it() {
-        assert_eq!(is_shaded([120, 131, 140], [180, 133, 146]), Shade::Surely);
-        assert_eq!(is_shaded([150, 148, 148], [200, 130, 135]), Shade::No);
-        assert_eq!(is_shaded([190, 133, 146], [180, 133, 146]), Shade::No);
-    }
 }
