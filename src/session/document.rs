@@ -60,6 +60,19 @@ pub struct ObjectProposal {
     pub author: Author,
 }
 
+impl ObjectProposal {
+    /// The same thing as a person's choice: no later guess replaces it.
+    #[must_use]
+    pub fn taken_by_person(self) -> Self {
+        Self { confidence: 1.0, author: Author::Human, ..self }
+    }
+
+    /// Whether both point at the same place, whoever says so.
+    pub fn points_where(&self, other: &Self) -> bool {
+        self.frame == other.frame && self.prompt == other.prompt
+    }
+}
+
 /// The object the clip is about, and who said so.
 pub type ObjectChoice = ObjectProposal;
 

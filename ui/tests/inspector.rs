@@ -6,7 +6,10 @@ use agenticfocus::{
     clip::FrameIndex,
     engine::{Access, Request},
     retarget::{Beta, Smoothing},
-    session::{Command, Entry, LayerOrder, LayerOrderRange, LockHolder, RetargetSettings, ReviewState, Step},
+    session::{
+        Command, Entry, LayerOrder, LayerOrderRange, LockHolder, ObjectAnswer, RetargetSettings, ReviewState,
+        Said, Step,
+    },
 };
 use agenticfocus_ui::{
     action::Action,
@@ -73,11 +76,33 @@ fn click(harness: &mut Harness<'static, Stage>, name: &str) {
 }
 
 #[test]
-fn a_click_on_a_proposal_chooses_exactly_that_object() {
+fn a_click_on_a_proposal_makes_it_the_persons_choice() {
     let mut harness = at(Step::Object, |_| {});
     let second = harness.state().bench.workspace.as_ref().unwrap().document().proposals[1].clone();
     click(&mut harness, &format!("Proposal 2: {}", second.label));
-    assert_eq!(harness.state_mut().changes(), [Command::SetObject(Some(second))]);
+    assert_eq!(harness.state_mut().changes(), [Command::SetObject(Some(second.taken_by_person()))]);
+}
+
+#[test]
+fn what_a_model_answered_is_read_where_somebody_unfolds_it() {
+    let answer = ObjectAnswer {
+        request: String::new(),
+        model: "some-model".to_owned(),
+        profile: "rel1000-xyxy".to_owned(),
+        frames: vec![FrameIndex(0)],
+        raw: vec!["{\"found\": false}".to_owned()],
+        said: Said::Nothing("only hands".to_owned()),
+    };
+    let mut harness = at(Step::Object, |bench| {
+        let workspace = bench.workspace.as_mut().unwrap();
+        let found = Entry::Found(Command::SetObjectAnswer(Some(Box::new(answer))));
+        workspace.history.apply(found).unwrap();
+    });
+    assert!(harness.query_by_label("{\"found\": false}").is_none());
+    click(&mut harness, "What the model answered");
+    harness.run_steps(20);
+    assert!(harness.query_by_label("{\"found\": false}").is_some());
+    assert!(harness.query_by_label_contains("no object: only hands").is_some());
 }
 
 #[test]

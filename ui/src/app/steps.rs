@@ -19,11 +19,7 @@ impl OperatorApp {
             let choice = document.object.clone().or_else(|| workspace.found.choice.clone());
             // Confirmed, the machine's proposal becomes the operator's word.
             if let Some(choice) = choice.filter(|choice| choice.author != Author::Human) {
-                commands.push(Command::SetObject(Some(agenticfocus::session::ObjectChoice {
-                    author: Author::Human,
-                    confidence: 1.0,
-                    ..choice
-                })));
+                commands.push(Command::SetObject(Some(choice.taken_by_person())));
             }
             if matches!(document.review, ReviewState::NeedsReview { .. }) {
                 commands.push(Command::SetReview(ReviewState::Unreviewed));

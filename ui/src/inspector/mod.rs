@@ -1,5 +1,6 @@
 //! The inspector: what a step knows about the clip, and what a person can change about it.
 
+mod answer;
 mod composite;
 mod edits;
 mod hands;

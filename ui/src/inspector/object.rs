@@ -10,6 +10,7 @@ use egui::{
 };
 
 use super::{
+    answer,
     parts::{TextureKey, Textures, draft, empty, hint, section},
     words::author_of_proposal,
 };
@@ -39,6 +40,7 @@ impl ObjectInspector {
     ) {
         section(ui, cx, "Task", |ui, cx| self.task(ui, cx, workspace));
         section(ui, cx, "Object", |ui, cx| proposals(ui, cx, workspace, textures));
+        answer::show(ui, cx, workspace);
         section(ui, cx, "Draw it myself", |ui, cx| {
             ui.add_enabled_ui(workspace.is_writable(), |ui| {
                 ui.horizontal_wrapped(|ui| {
@@ -104,7 +106,7 @@ fn proposals(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace, textures:
         if show_card(ui, cx, &card, textures, workspace).clicked() {
             match card.state {
                 CardState::Offered | CardState::InUse if workspace.is_writable() => {
-                    cx.ask(Action::Change(Command::SetObject(Some(card.object.clone()))));
+                    cx.ask(Action::Change(Command::SetObject(Some(card.object.clone().taken_by_person()))));
                 }
                 _ => cx.ask(Action::Seek(card.object.frame)),
             }
@@ -124,7 +126,8 @@ fn cards_of(workspace: &Workspace) -> Vec<Card<'_>> {
         .iter()
         .enumerate()
         .map(|(rank, object)| {
-            let state = if Some(object) == used { state } else { CardState::Offered };
+            let is_used = used.is_some_and(|used| used.points_where(object));
+            let state = if is_used { state } else { CardState::Offered };
             Card { object, digit: Some(rank + 1), state }
         })
         .collect();

@@ -1,6 +1,6 @@
 //! Choosing the object.
 
-use agenticfocus::session::{Author, Command, ObjectChoice};
+use agenticfocus::session::Command;
 
 use super::super::OperatorApp;
 use crate::ui_command::UiCommand as C;
@@ -27,8 +27,7 @@ impl OperatorApp {
             return;
         };
         let frame = proposal.frame;
-        let choice = ObjectChoice { author: Author::Human, confidence: 1.0, ..proposal };
-        self.change(Command::SetObject(Some(choice)), Vec::new());
+        self.change(Command::SetObject(Some(proposal.taken_by_person())), Vec::new());
         self.seek(frame);
     }
 }
