@@ -126,9 +126,10 @@ fn cards_of(workspace: &Workspace) -> Vec<Card<'_>> {
         .iter()
         .enumerate()
         .map(|(rank, object)| {
-            let is_used = used.is_some_and(|used| used.points_where(object));
-            let state = if is_used { state } else { CardState::Offered };
-            Card { object, digit: Some(rank + 1), state }
+            // A proposal that a person took is shown as theirs.
+            let taken = used.filter(|used| used.points_where(object));
+            let state = if taken.is_some() { state } else { CardState::Offered };
+            Card { object: taken.unwrap_or(object), digit: Some(rank + 1), state }
         })
         .collect();
     match cards.iter().position(|card| card.state != CardState::Offered) {
