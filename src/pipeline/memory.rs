@@ -10,7 +10,7 @@ use super::{Key, Stage};
 use crate::{
     clip::{ClipRequest, StandardClip},
     robot::RobotModel,
-    session::ObjectAnswer,
+    session::{FreshMasks, ObjectAnswer},
 };
 
 /// An artifact of any type, by the key of what went into it.
@@ -24,12 +24,18 @@ pub struct Memory {
     robot: Mutex<Option<RobotModel>>,
     model_word: Mutex<Option<(String, ModelWord)>>,
     model_line: Mutex<String>,
+    masks: FreshMasks,
 }
 
 /// What a vision-language model answered, or why it was not asked.
 type ModelWord = Result<ObjectAnswer, String>;
 
 impl Memory {
+    /// Masks that a person made and that are being written: a run does not wait for the disk.
+    pub fn masks(&self) -> &FreshMasks {
+        &self.masks
+    }
+
     /// The clip that was decoded for this very request.
     pub(super) fn clip(&self, request: &ClipRequest) -> Option<Arc<StandardClip>> {
         let clip = self.clip.lock().unwrap_or_else(PoisonError::into_inner);

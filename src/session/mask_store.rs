@@ -1,6 +1,10 @@
 //! Content-addressed masks: a mask's name is the hash of its bytes, so equal masks are stored once.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use serde::{Deserialize, Serialize};
 
@@ -50,16 +54,38 @@ impl std::fmt::Display for MaskId {
     }
 }
 
+/// Masks that somebody made and that may not be on disk yet.
+#[derive(Clone, Debug, Default)]
+pub struct FreshMasks(Arc<Mutex<BTreeMap<MaskId, Arc<RleMask>>>>);
+
+impl FreshMasks {
+    /// Holds a mask.
+    pub fn hold(&self, id: MaskId, mask: Arc<RleMask>) {
+        // A map of immutable values: a panic elsewhere cannot leave it half-made.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(id, mask);
+    }
+
+    fn get(&self, id: &MaskId) -> Option<Arc<RleMask>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(id).map(Arc::clone)
+    }
+}
+
 /// The folder `masks/` of a session.
 #[derive(Clone, Debug)]
 pub struct MaskStore {
     folder: PathBuf,
+    fresh: FreshMasks,
 }
 
 impl MaskStore {
     /// The store in `folder`, which need not exist yet.
     pub fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned() }
+        Self::with_fresh(folder, FreshMasks::default())
+    }
+
+    /// As [`Self::new`]; what `fresh` holds is taken from there.
+    pub fn with_fresh(folder: &Path, fresh: FreshMasks) -> Self {
+        Self { folder: folder.to_owned(), fresh }
     }
 
     /// Stores `mask` durably and returns its name.
@@ -90,6 +116,9 @@ impl MaskStore {
     /// # Errors
     /// When it is missing, damaged or not a mask.
     pub fn get(&self, id: &MaskId) -> Result<RleMask, SessionError> {
+        if let Some(mask) = self.fresh.get(id) {
+            return Ok(RleMask::clone(&mask));
+        }
         let fault = |reason: String| SessionError::Mask { id: id.clone(), reason };
         let bytes = std::fs::read(self.path(id)).map_err(|error| fault(error.to_string()))?;
         if blake3::hash(&bytes).to_hex().as_str() != id.0 {
@@ -108,5 +137,24 @@ impl MaskStore {
 
     fn path(&self, id: &MaskId) -> PathBuf {
         self.folder.join(format!("{id}.rle"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{geometry::Size, image::Mask};
+
+    #[test]
+    fn a_mask_that_is_still_being_written_is_read_from_memory() {
+        let mask = RleMask::encode(&Mask::from_fn(Size::new(8, 6), |x, y| x > y));
+        let id = MaskId::of(&mask).unwrap();
+        let folder = Path::new("/nowhere/at/all");
+        let fresh = FreshMasks::default();
+        let store = MaskStore::with_fresh(folder, fresh.clone());
+        assert!(matches!(store.get(&id), Err(SessionError::Mask { .. })));
+        fresh.hold(id.clone(), Arc::new(mask.clone()));
+        assert_eq!(store.get(&id).unwrap(), mask);
+        assert!(matches!(MaskStore::new(folder).get(&id), Err(SessionError::Mask { .. })));
     }
 }

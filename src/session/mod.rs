@@ -30,7 +30,7 @@ pub use folder::{LoadReport, Session};
 pub use history::{Entry, History};
 pub use journal::{JournalLine, parse_journal};
 pub use lock::{LockHolder, SessionLock};
-pub use mask_store::{MaskId, MaskStore};
+pub use mask_store::{FreshMasks, MaskId, MaskStore};
 pub use object_answer::{ObjectAnswer, Said};
 pub use settings::RetargetSettings;
 pub use step::Step;

@@ -92,7 +92,10 @@ impl Engine for LocalEngine {
                 self.order(Order::Close);
             }
             Request::Survey(path) => self.order(Order::Survey(path)),
-            Request::Keep(change) => self.order(Order::Keep(Box::new(change))),
+            Request::Keep(change) => {
+                shared.hold_masks(&change.masks);
+                self.order(Order::Keep(Box::new(change)));
+            }
             Request::RetrySave => self.order(Order::RetrySave),
             Request::SaveElsewhere(folder) => self.order(Order::SaveElsewhere(folder)),
             Request::Work { document, revision } => shared.want_work(document, revision),

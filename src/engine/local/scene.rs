@@ -15,7 +15,8 @@ use crate::{
     engine::{Event, PictureRequest, Revision},
     geometry::{Pixel, Side},
     pipeline::{ClipJob, Evidence, Installation, LayerPlan, Memory, Stage, Understood},
-    session::{Document, MaskLayer},
+    segment::RleMask,
+    session::{Document, MaskId, MaskLayer},
 };
 
 /// The session that is open, as worker and painter need it.
@@ -139,6 +140,15 @@ impl Shared {
 
     pub(super) fn open_clip(&self) -> Option<OpenClip> {
         self.state().open.clone()
+    }
+
+    /// Holds masks that the desk is about to write, so that work for them need not wait for the disk, and goes on where
+    /// it is full.
+    pub(super) fn hold_masks(&self, masks: &[(MaskId, Arc<RleMask>)]) {
+        let Some(open) = self.open_clip() else { return };
+        for (id, mask) in masks {
+            open.memory.masks().hold(id.clone(), Arc::clone(mask));
+        }
     }
 
     /// Asks the worker to find everything out for `document`. Work in progress goes on where the change only

@@ -99,7 +99,7 @@ pub fn understand_document(
     let (installation, listener, cancel) = surroundings;
     let mut context = Context {
         document: document.clone(),
-        masks: MaskStore::new(&folder.join("masks")),
+        masks: MaskStore::with_fresh(&folder.join("masks"), memory.masks().clone()),
         cache: Cache::open(&folder.join("cache"))?,
         memory: Some(memory),
         installation,
