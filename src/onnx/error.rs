@@ -97,6 +97,12 @@ pub enum OnnxError {
         /// The tensor, as expected and as found.
         mismatch: super::Mismatch,
     },
+    /// A tensor cannot be made or read as asked.
+    #[error("a tensor is not as asked: {reason}")]
+    Tensor {
+        /// What ONNX Runtime says.
+        reason: String,
+    },
     /// The graph failed while it ran.
     #[error("{graph}: {reason}")]
     Run {

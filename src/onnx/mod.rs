@@ -26,4 +26,4 @@ pub use probe::{Binding, Bound, Declared, Mismatch, Sizes, bind};
 pub use registry::{ListedModel, Registry, hash_file};
 pub use runtime::{Provider, Runtime, RuntimeOptions};
 pub use signature::{Dim, ElementType, GraphSpec, TensorSpec};
-pub use value::{Value, ValueError};
+pub use value::Value;

@@ -5,21 +5,15 @@ use ort::{
     value::{DynValue, Tensor, TensorElementType},
 };
 
-use super::{Declared, ElementType, probe::Bound};
+use super::{Declared, ElementType, OnnxError, probe::Bound};
 
 /// A tensor. What a graph returned can be fed to another without being copied.
 #[derive(Debug)]
 pub struct Value(pub(super) DynValue);
 
-/// Why a tensor is not what its reader asks for.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct ValueError(String);
-
-impl From<ort::Error> for ValueError {
-    fn from(error: ort::Error) -> Self {
-        Self(error.to_string())
-    }
+/// What the runtime says about a tensor.
+fn wrong(error: ort::Error) -> OnnxError {
+    OnnxError::Tensor { reason: error.to_string() }
 }
 
 impl Value {
@@ -27,32 +21,32 @@ impl Value {
     ///
     /// # Errors
     /// When `data` is not as long as `shape` says.
-    pub fn floats(shape: &[usize], data: Vec<f32>) -> Result<Self, ValueError> {
-        Ok(Self(Tensor::from_array((shape.to_vec(), data))?.into_dyn()))
+    pub fn floats(shape: &[usize], data: Vec<f32>) -> Result<Self, OnnxError> {
+        Ok(Self(Tensor::from_array((shape.to_vec(), data)).map_err(wrong)?.into_dyn()))
     }
 
     /// 64-bit integers in C order; narrowed where a graph wants other elements.
     ///
     /// # Errors
     /// When `data` is not as long as `shape` says.
-    pub fn integers(shape: &[usize], data: Vec<i64>) -> Result<Self, ValueError> {
-        Ok(Self(Tensor::from_array((shape.to_vec(), data))?.into_dyn()))
+    pub fn integers(shape: &[usize], data: Vec<i64>) -> Result<Self, OnnxError> {
+        Ok(Self(Tensor::from_array((shape.to_vec(), data)).map_err(wrong)?.into_dyn()))
     }
 
     /// A float tensor without a number in it: one of its sizes is 0.
     ///
     /// # Errors
     /// When the runtime cannot make a tensor.
-    pub fn no_floats(shape: &[usize]) -> Result<Self, ValueError> {
-        Ok(Self(Tensor::<f32>::new(&Allocator::default(), shape.to_vec())?.into_dyn()))
+    pub fn no_floats(shape: &[usize]) -> Result<Self, OnnxError> {
+        Ok(Self(Tensor::<f32>::new(&Allocator::default(), shape.to_vec()).map_err(wrong)?.into_dyn()))
     }
 
     /// One boolean, of the rank a graph wants.
     ///
     /// # Errors
     /// When the runtime cannot make a tensor.
-    pub fn flag(flag: bool) -> Result<Self, ValueError> {
-        Ok(Self(Tensor::from_array(([1_usize], vec![flag]))?.into_dyn()))
+    pub fn flag(flag: bool) -> Result<Self, OnnxError> {
+        Ok(Self(Tensor::from_array(([1_usize], vec![flag])).map_err(wrong)?.into_dyn()))
     }
 
     /// Its shape.
@@ -65,12 +59,12 @@ impl Value {
     ///
     /// # Errors
     /// When it holds something else.
-    pub fn as_floats(&self) -> Result<&[f32], ValueError> {
-        Ok(self.0.try_extract_tensor::<f32>()?.1)
+    pub fn as_floats(&self) -> Result<&[f32], OnnxError> {
+        Ok(self.0.try_extract_tensor::<f32>().map_err(wrong)?.1)
     }
 
     /// The same numbers as the elements and rank that `bound` declares; `None` where they are already.
-    pub(super) fn as_declared(&self, bound: &Bound) -> Result<Option<Self>, ValueError> {
+    pub(super) fn as_declared(&self, bound: &Bound) -> Result<Option<Self>, OnnxError> {
         let own = self.0.dtype().tensor_type().and_then(element_type);
         let (shape, wanted) = (self.shape(), bound.declared.shape.len());
         if own == Some(bound.element) && shape.len() == wanted {
@@ -85,37 +79,54 @@ impl Value {
         let numbers = self.numbers(own)?;
         let made = match bound.element {
             ElementType::F32 => {
-                Tensor::from_array((shape, numbers.iter().map(|n| *n as f32).collect::<Vec<_>>()))?.into_dyn()
+                Tensor::from_array((shape, numbers.iter().map(|n| *n as f32).collect::<Vec<_>>()))
+                    .map_err(wrong)?
+                    .into_dyn()
             }
             ElementType::I32 => {
-                Tensor::from_array((shape, numbers.iter().map(|n| *n as i32).collect::<Vec<_>>()))?.into_dyn()
+                Tensor::from_array((shape, numbers.iter().map(|n| *n as i32).collect::<Vec<_>>()))
+                    .map_err(wrong)?
+                    .into_dyn()
             }
             ElementType::I64 => {
-                Tensor::from_array((shape, numbers.iter().map(|n| *n as i64).collect::<Vec<_>>()))?.into_dyn()
+                Tensor::from_array((shape, numbers.iter().map(|n| *n as i64).collect::<Vec<_>>()))
+                    .map_err(wrong)?
+                    .into_dyn()
             }
             ElementType::Bool => {
-                Tensor::from_array((shape, numbers.iter().map(|n| *n != 0.0).collect::<Vec<_>>()))?.into_dyn()
+                Tensor::from_array((shape, numbers.iter().map(|n| *n != 0.0).collect::<Vec<_>>()))
+                    .map_err(wrong)?
+                    .into_dyn()
             }
         };
         Ok(Some(Self(made)))
     }
 
     /// Small tensors alone are converted: labels, flags, frame distances.
-    fn numbers(&self, own: Option<ElementType>) -> Result<Vec<f64>, ValueError> {
+    fn numbers(&self, own: Option<ElementType>) -> Result<Vec<f64>, OnnxError> {
         Ok(match own {
             Some(ElementType::F32) => {
-                self.0.try_extract_tensor::<f32>()?.1.iter().map(|n| f64::from(*n)).collect()
+                self.0.try_extract_tensor::<f32>().map_err(wrong)?.1.iter().map(|n| f64::from(*n)).collect()
             }
             Some(ElementType::I32) => {
-                self.0.try_extract_tensor::<i32>()?.1.iter().map(|n| f64::from(*n)).collect()
+                self.0.try_extract_tensor::<i32>().map_err(wrong)?.1.iter().map(|n| f64::from(*n)).collect()
             }
             Some(ElementType::I64) => {
-                self.0.try_extract_tensor::<i64>()?.1.iter().map(|n| *n as f64).collect()
+                self.0.try_extract_tensor::<i64>().map_err(wrong)?.1.iter().map(|n| *n as f64).collect()
             }
-            Some(ElementType::Bool) => {
-                self.0.try_extract_tensor::<bool>()?.1.iter().map(|n| f64::from(u8::from(*n))).collect()
+            Some(ElementType::Bool) => self
+                .0
+                .try_extract_tensor::<bool>()
+                .map_err(wrong)?
+                .1
+                .iter()
+                .map(|n| f64::from(u8::from(*n)))
+                .collect(),
+            None => {
+                return Err(OnnxError::Tensor {
+                    reason: "it holds elements of a type that no contract uses".to_owned(),
+                });
             }
-            None => return Err(ValueError("holds elements of a type that no contract uses".to_owned())),
         })
     }
 }

@@ -120,11 +120,7 @@ impl VideoNetwork {
             pack(frame, &mut packed)?;
         }
         let shape = [1, frames.len(), 3, outer.height as usize, outer.width as usize];
-        let failed = |error: crate::onnx::ValueError| OnnxError::Run {
-            graph: VIDEO_INPAINT.id,
-            reason: error.to_string(),
-        };
-        let masked = Value::floats(&shape, packed).map_err(failed)?;
+        let masked = Value::floats(&shape, packed)?;
         let outputs = self.graph.run(&[("masked_frames", &masked)])?;
         let restored = outputs.floats("pred_frames")?;
         let wanted = local * 3 * plane;

@@ -1,18 +1,16 @@
 //! A mask on one picture from any number of points, or a box.
 
-use opencv::{
-    core::{Mat, MatTraitConst, MatTraitConstManual, Size as CvSize},
-    imgproc::{INTER_AREA, INTER_LINEAR, resize},
-};
+use opencv::core::{Mat, MatTraitConst, MatTraitConstManual};
 
 use super::{
     image_contract::SAM2_IMAGE,
     logits::{mask_of, square, without_specks},
+    picture::{side_of, squared},
 };
 use crate::{
     clip::FrameSource,
     geometry::{Pixel, Size},
-    onnx::{CheckedModel, Graph, OnnxError, Runtime, Sizes, Value, ValueError},
+    onnx::{CheckedModel, Graph, OnnxError, Runtime, Sizes, Value},
     segment::{
         RleMask, SegmentError,
         object::{ObjectPrompt, PromptKind},
@@ -56,10 +54,7 @@ impl ImageSegmenter {
             Graph::open(runtime, model.file(spec.name)?, spec, &mut sizes)
         };
         let (encoder, decoder) = (open(0)?, open(1)?);
-        let side = model.size(&sizes, "S")?;
-        if side == 0 || side % 16 != 0 {
-            return Err(model.wrong(format!("S = {side}: a multiple of 16 is expected")));
-        }
+        let side = side_of(model, &sizes)?;
         Ok(Self { encoder, decoder, side, name: model.description().name.clone() })
     }
 
@@ -73,10 +68,7 @@ impl ImageSegmenter {
     /// # Errors
     /// When OpenCV or the graph fails.
     pub fn encode(&mut self, picture: &Mat) -> Result<EncodedPicture, SegmentError> {
-        let side = self.side as i32;
-        let method = if picture.cols() > side && picture.rows() > side { INTER_AREA } else { INTER_LINEAR };
-        let mut small = Mat::default();
-        resize(picture, &mut small, CvSize::new(side, side), 0.0, 0.0, method)?;
+        let small = squared(picture, self.side)?;
         let pixels = small.data_bytes()?;
         let mut planes = Vec::with_capacity(pixels.len());
         for channel in 0..3 {
@@ -84,7 +76,7 @@ impl ImageSegmenter {
             planes
                 .extend(values.map(|value| (f32::from(*value) / 255.0 - MEAN[channel]) / DEVIATION[channel]));
         }
-        let image = floats(&[1, 3, self.side, self.side], planes)?;
+        let image = Value::floats(&[1, 3, self.side, self.side], planes)?;
         let mut out = self.encoder.run(&[("image", &image)])?;
         let features =
             [out.take("image_embed")?, out.take("high_res_feats_0")?, out.take("high_res_feats_1")?];
@@ -103,13 +95,13 @@ impl ImageSegmenter {
             return Err(SegmentError::Prompt { frame: prompt.frame, reason });
         }
         let low = self.side / 4;
-        let points = floats(&[1, labels.len(), 2], points)?;
-        let labels = Value::integers(&[1, labels.len()], labels).map_err(wrong)?;
-        let before = floats(&[1, 1, low, low], vec![0.0; low * low])?;
-        let no_mask = floats(&[1], vec![0.0])?;
+        let points = Value::floats(&[1, labels.len(), 2], points)?;
+        let labels = Value::integers(&[1, labels.len()], labels)?;
+        let before = Value::floats(&[1, 1, low, low], vec![0.0; low * low])?;
+        let no_mask = Value::floats(&[1], vec![0.0])?;
         let size = [seen.size.height, seen.size.width].map(i64::from).to_vec();
-        let size = Value::integers(&[2], size).map_err(wrong)?;
-        let no_boxes = Value::no_floats(&[1, 0, 4]).map_err(wrong)?;
+        let size = Value::integers(&[2], size)?;
+        let no_boxes = Value::no_floats(&[1, 0, 4])?;
         let [embedding, high_0, high_1] = &seen.features;
         let out = self.decoder.run(&[
             ("image_embed", embedding),
@@ -164,12 +156,4 @@ pub fn segment_frame(
 ) -> Result<RleMask, SegmentError> {
     let seen = network.encode(&frames.frame(prompt.frame)?.to_mat()?)?;
     network.mask(&seen, prompt)
-}
-
-fn floats(shape: &[usize], data: Vec<f32>) -> Result<Value, SegmentError> {
-    Value::floats(shape, data).map_err(wrong)
-}
-
-fn wrong(error: ValueError) -> SegmentError {
-    SegmentError::Network(OnnxError::Run { graph: SAM2_IMAGE.id, reason: error.to_string() })
 }

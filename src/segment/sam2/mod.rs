@@ -7,6 +7,7 @@ mod image;
 mod image_contract;
 mod logits;
 mod network;
+mod picture;
 mod track;
 
 pub use bank::{Bank, Heading};

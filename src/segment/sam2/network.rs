@@ -1,13 +1,14 @@
 //! The four graphs of a video segmenter, one call each.
 
-use opencv::{
-    core::{Mat, MatTraitConst, MatTraitConstManual, Size as CvSize},
-    imgproc::{INTER_AREA, INTER_LINEAR, resize},
-};
+use opencv::core::{Mat, MatTraitConstManual};
 
-use super::{contract::SAM2_VIDEO, logits::enlarged};
+use super::{
+    contract::SAM2_VIDEO,
+    logits::enlarged,
+    picture::{side_of, squared},
+};
 use crate::{
-    onnx::{CheckedModel, Graph, OnnxError, Runtime, Sizes, Value, ValueError},
+    onnx::{CheckedModel, Graph, OnnxError, Runtime, Sizes, Value},
     segment::SegmentError,
 };
 
@@ -85,10 +86,7 @@ impl VideoSegmenter {
             Graph::open(runtime, model.file(spec.name)?, spec, &mut sizes)
         };
         let (encoder, attention, decoder, memory_encoder) = (open(0)?, open(1)?, open(2)?, open(3)?);
-        let side = model.size(&sizes, "S")?;
-        if side == 0 || side % 16 != 0 {
-            return Err(model.wrong(format!("S = {side}: a multiple of 16 is expected")));
-        }
+        let side = side_of(model, &sizes)?;
         let name = model.description().name.clone();
         Ok(Self { encoder, attention, decoder, memory_encoder, side, name })
     }
@@ -108,12 +106,9 @@ impl VideoSegmenter {
     /// # Errors
     /// When OpenCV or the graph fails.
     pub fn encode(&mut self, picture: &Mat) -> Result<Encoded, SegmentError> {
-        let side = self.side as i32;
-        let method = if picture.cols() > side && picture.rows() > side { INTER_AREA } else { INTER_LINEAR };
-        let mut square = Mat::default();
-        resize(picture, &mut square, CvSize::new(side, side), 0.0, 0.0, method)?;
+        let square = squared(picture, self.side)?;
         let values = square.data_bytes()?.iter().map(|value| f32::from(*value)).collect();
-        let image = floats(&[1, self.side, self.side, 3], values)?;
+        let image = Value::floats(&[1, self.side, self.side, 3], values)?;
         let mut out = self.encoder.run(&[("image", &image)])?;
         Ok(Encoded {
             high: [out.take("high_res_features0")?, out.take("high_res_features1")?],
@@ -151,9 +146,9 @@ impl VideoSegmenter {
         let shape = [tokens, masks.len(), 1, TOKEN];
         let objects = pointers.iter().flat_map(|(memory, _)| memory.pointer.iter().copied()).collect();
         let distances = pointers.iter().map(|(_, steps)| *steps as i64).collect();
-        let (features, positions) = (floats(&shape, features)?, floats(&shape, positions)?);
-        let objects = floats(&[pointers.len(), 1, POINTER], objects)?;
-        let distances = Value::integers(&[pointers.len()], distances).map_err(wrong)?;
+        let (features, positions) = (Value::floats(&shape, features)?, Value::floats(&shape, positions)?);
+        let objects = Value::floats(&[pointers.len(), 1, POINTER], objects)?;
+        let distances = Value::integers(&[pointers.len()], distances)?;
         let mut out = self.attention.run(&[
             ("current_vision_feats", &seen.low),
             ("current_vision_pos_embeds", &seen.positions),
@@ -178,9 +173,9 @@ impl VideoSegmenter {
         prompted: bool,
     ) -> Result<Memory, SegmentError> {
         let full = enlarged(logits, self.side, self.side)?;
-        let mask = floats(&[1, 1, self.side, self.side], full.data_typed::<f32>()?.to_vec())?;
-        let presence = floats(&[1, 1], vec![decoded.presence])?;
-        let flag = Value::flag(prompted).map_err(wrong)?;
+        let mask = Value::floats(&[1, 1, self.side, self.side], full.data_typed::<f32>()?.to_vec())?;
+        let presence = Value::floats(&[1, 1], vec![decoded.presence])?;
+        let flag = Value::flag(prompted)?;
         let out = self.memory_encoder.run(&[
             ("pix_feat", &seen.low),
             ("mask_for_mem", &mask),
@@ -203,8 +198,8 @@ fn decode(
     map: &Value,
     prompt: TwoPoints,
 ) -> Result<Decoded, SegmentError> {
-    let points = floats(&[1, 2, 2], prompt.points.as_flattened().to_vec())?;
-    let labels = Value::integers(&[1, 2], prompt.labels.to_vec()).map_err(wrong)?;
+    let points = Value::floats(&[1, 2, 2], prompt.points.as_flattened().to_vec())?;
+    let labels = Value::integers(&[1, 2], prompt.labels.to_vec())?;
     let out = decoder.run(&[
         ("point_coords", &points),
         ("point_labels", &labels),
@@ -228,12 +223,4 @@ fn decode(
         pointer: part("obj_ptr", POINTER)?.to_vec(),
         times: out.floats("maskmem_tpos_enc")?.to_vec(),
     })
-}
-
-fn floats(shape: &[usize], data: Vec<f32>) -> Result<Value, SegmentError> {
-    Value::floats(shape, data).map_err(wrong)
-}
-
-fn wrong(error: ValueError) -> SegmentError {
-    SegmentError::Network(OnnxError::Run { graph: SAM2_VIDEO.id, reason: error.to_string() })
 }
