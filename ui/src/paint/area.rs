@@ -85,12 +85,13 @@ impl Area {
     }
 }
 
-/// Puts the pixels of row `y` whose centres lie in `from..=to` inside or outside.
-pub(super) fn set_span(mask: &mut Mask, y: u32, from: f64, to: f64, inside: bool) {
-    let width = f64::from(mask.size().width);
+/// Puts the pixels of row `y` of an area whose centres lie in `from..=to` inside or outside.
+pub(super) fn set_span(mask: &mut Mask, (area, y): (Area, u32), from: f64, to: f64, inside: bool) {
     // Comparisons with a value that is no number are false: such a span has no pixels.
     if from <= to {
-        let (first, after) = (from.ceil().clamp(0.0, width), (to.floor() + 1.0).clamp(0.0, width));
+        // What lies beyond the area is rounding: far away, a pixel is less than a float's last digit.
+        let (low, high) = (f64::from(area.x0), f64::from(area.x1));
+        let (first, after) = (from.ceil().clamp(low, high), (to.floor() + 1.0).clamp(low, high));
         mask.set_span(y, first as u32..after as u32, inside);
     }
 }

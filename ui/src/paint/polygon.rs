@@ -41,7 +41,7 @@ pub fn fill_polygon(mask: &mut Mask, corners: &[Pixel], inside: bool) -> Option<
     for y in area.y0..area.y1 {
         crossings_of_row(&corners, f64::from(y), &mut crossings);
         for pair in crossings.as_chunks::<2>().0 {
-            set_span(mask, y, pair[0], pair[1], inside);
+            set_span(mask, (area, y), pair[0], pair[1], inside);
         }
     }
     Some(area)

@@ -19,7 +19,7 @@ pub fn stroke(mask: &mut Mask, from: Pixel, to: Pixel, radius: f64, inside: bool
     let area = Area::between(low, high, mask.size())?;
     for y in area.y0..area.y1 {
         if let Some((left, right)) = row_of_capsule(from, to, radius, f64::from(y)) {
-            set_span(mask, y, left, right, inside);
+            set_span(mask, (area, y), left, right, inside);
         }
     }
     Some(area)
