@@ -37,3 +37,10 @@ pub enum InpaintError {
         expected_size: Size,
     },
 }
+
+impl InpaintError {
+    /// What the network broke down on, where it was the network.
+    pub fn of_model(&self) -> Option<&OnnxError> {
+        if let Self::Network(error) = self { Some(error) } else { None }
+    }
+}

@@ -23,7 +23,7 @@ pub struct Memory {
     artifacts: Mutex<BTreeMap<(Stage, TypeId), Kept>>,
     robot: Mutex<Option<RobotModel>>,
     model_word: Mutex<Option<(String, ModelWord)>>,
-    model_line: Mutex<String>,
+    told: Mutex<BTreeMap<&'static str, String>>,
     masks: FreshMasks,
 }
 
@@ -73,12 +73,10 @@ impl Memory {
         *self.model_word.lock().unwrap_or_else(PoisonError::into_inner) = Some((question, word));
     }
 
-    /// Whether `line`, about a model, is another one than the last: every change of a document comes to it again.
-    pub(super) fn is_news(&self, line: &str) -> bool {
-        let mut last = self.model_line.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_news = *last != line;
-        line.clone_into(&mut last);
-        is_news
+    /// Whether `line` is another one than the last about `topic`: every change of a document comes to it again.
+    pub(super) fn is_news(&self, topic: &'static str, line: &str) -> bool {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.insert(topic, line.to_owned()).is_none_or(|last| last != line)
     }
 
     /// The artifact of `stage`, if it is the one that `key` names.

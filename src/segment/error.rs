@@ -56,3 +56,10 @@ pub enum SegmentError {
         expected_size: Size,
     },
 }
+
+impl SegmentError {
+    /// What the network broke down on, where it was the network.
+    pub fn of_model(&self) -> Option<&OnnxError> {
+        if let Self::Network(error) = self { Some(error) } else { None }
+    }
+}

@@ -1,6 +1,6 @@
 //! The background without the human: by a network where one is active, else by plates.
 
-use std::{cell::Cell, fs, sync::Arc};
+use std::{fs, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
@@ -29,9 +29,6 @@ pub struct Background {
 struct Sealed {
     report: InpaintReport,
 }
-
-/// What is done without a network.
-const INSTEAD: &str = "background from plates";
 
 /// Masks of arms and object, and the keys of what they were made from.
 type Masks<'a> = (&'a MaskTrack, &'a MaskTrack, [&'a Key; 2]);
@@ -63,29 +60,18 @@ fn by_network(
     masks: Masks<'_>,
     params: &InpaintParams,
 ) -> Result<Option<Background>, ClipFailure> {
-    let installation = context.installation;
-    let Some(model) = context.model(&VIDEO_INPAINT, INSTEAD) else { return Ok(None) };
-    let blend = installation.models.blend;
-    let key = Key::new(Stage::Inpaint, &masks.2, &(params, model.identity(), blend))?;
-    let failed = Cell::new(None);
-    let made = kept(context, clip, &key, |sink, watch| {
-        let network = installation.runtime().and_then(|runtime| VideoNetwork::open(&runtime, &model));
-        let cleaned = network.map_err(InpaintError::from).and_then(|mut network| {
-            clean_by_network(clip, (masks.0, masks.1), params, (&mut network, blend), sink, watch)
-        });
-        cleaned.inspect_err(|error| {
-            if let InpaintError::Network(error) = error {
-                failed.set(Some(error.clone()));
-            }
+    context.with_model(&VIDEO_INPAINT, "background from plates", |model, fault| {
+        let blend = context.installation.models.blend;
+        let key = Key::new(Stage::Inpaint, &masks.2, &(params, model.identity(), blend))?;
+        kept(context, clip, &key, |sink, watch| {
+            let network =
+                context.installation.runtime().and_then(|runtime| VideoNetwork::open(&runtime, model));
+            let cleaned = network.map_err(InpaintError::from).and_then(|mut network| {
+                clean_by_network(clip, (masks.0, masks.1), params, (&mut network, blend), sink, watch)
+            });
+            cleaned.inspect_err(|error| fault.note(error.of_model()))
         })
-    });
-    match (made, failed.take()) {
-        (Err(_), Some(error)) => {
-            context.fall_back(&error, INSTEAD);
-            Ok(None)
-        }
-        (made, _) => made.map(Some),
-    }
+    })
 }
 
 /// What `make` hands to its sink, as a frame store in the cache; made only where it is not there yet.

@@ -1,6 +1,7 @@
 //! What every stage of a run needs at hand.
 
 use std::{
+    cell::RefCell,
     error::Error,
     sync::{Arc, Mutex, PoisonError, atomic::AtomicBool},
     time::Instant,
@@ -17,6 +18,17 @@ use crate::{
     segment::MaskFrame,
     session::{Author, Command, Document, MaskStore},
 };
+
+/// What a model broke down on, out of the errors of a stage.
+#[derive(Debug, Default)]
+pub(super) struct ModelFault(RefCell<Option<OnnxError>>);
+
+impl ModelFault {
+    /// Notes a fault of the model; the stage's own faults are none.
+    pub(super) fn note(&self, fault: Option<&OnnxError>) {
+        *self.0.borrow_mut() = fault.cloned();
+    }
+}
 
 /// A run's surroundings.
 pub(super) struct Context<'a> {
@@ -40,18 +52,37 @@ impl Context<'_> {
         StageWatch::new(stage, &self.progress, self.listener, self.cancel)
     }
 
-    /// The model of this installation that keeps `contract`, where one may be used; what is done `instead` of one that
-    /// may not is said in one line.
-    pub(super) fn model(&self, contract: &Contract, instead: &str) -> Option<CheckedModel> {
-        self.installation.model(contract).unwrap_or_else(|error| {
-            self.fall_back(&error, instead);
-            None
-        })
+    /// What `work` makes with the model of this installation that keeps `contract`; `None` where there is none, and where
+    /// it may not be used or `work` left a fault, which is said in one line with what is done `instead`.
+    pub(super) fn with_model<T, E>(
+        &self,
+        contract: &Contract,
+        instead: &'static str,
+        work: impl FnOnce(&CheckedModel, &ModelFault) -> Result<T, E>,
+    ) -> Result<Option<T>, E> {
+        let model = match self.installation.model(contract) {
+            Ok(Some(model)) => model,
+            Ok(None) => return Ok(None),
+            Err(error) => return Ok(self.fall_back(&error, instead)),
+        };
+        let fault = ModelFault::default();
+        match (work(&model, &fault), fault.0.take()) {
+            (Err(_), Some(error)) => Ok(self.fall_back(&error, instead)),
+            (made, _) => made.map(Some),
+        }
     }
 
-    /// Says that a model failed, and what is done instead.
-    pub(super) fn fall_back(&self, error: &OnnxError, instead: &str) {
-        self.listener.note(&format!("{error}; instead: {instead}"));
+    fn fall_back<T>(&self, error: &OnnxError, instead: &'static str) -> Option<T> {
+        self.say(instead, &format!("{error}; instead: {instead}"));
+        None
+    }
+
+    /// Says a line about `topic`, unless a window was told the very same one last: every change of a document comes
+    /// to it again.
+    pub(super) fn say(&self, topic: &'static str, line: &str) {
+        if self.memory.is_none_or(|memory| memory.is_news(topic, line)) {
+            self.listener.note(line);
+        }
     }
 
     /// Tells whoever listens of a mask of the object as soon as it is found.

@@ -16,6 +16,9 @@ use crate::{
     session::{Author, Command, Document, ObjectAnswer, ObjectProposal, Said},
 };
 
+/// What its lines are about.
+const TOPIC: &str = "the object's model";
+
 /// A model's proposal, or why there is none where one was hoped for.
 #[derive(Debug, Default)]
 pub(super) struct Word {
@@ -25,7 +28,7 @@ pub(super) struct Word {
 
 impl Word {
     fn excuse(context: &Context<'_>, reason: String) -> Self {
-        note(context, &format!("{reason}; contact motion proposes"));
+        context.say(TOPIC, &format!("{reason}; contact motion proposes"));
         Self { object: None, excuse: Some(reason) }
     }
 
@@ -39,13 +42,6 @@ impl Word {
                 Self::excuse(context, format!("the answer of {} cannot be used: {reason}", answer.model))
             }
         }
-    }
-}
-
-/// Tells a line, unless a window was told it before.
-fn note(context: &Context<'_>, line: &str) {
-    if context.memory.is_none_or(|memory| memory.is_news(line)) {
-        context.listener.note(line);
     }
 }
 
@@ -73,7 +69,7 @@ pub(super) fn word(
     if let Some(kept) = &context.document.object_answer
         && answers(kept, task, &source, clip.size(), wanted)
     {
-        note(context, &format!("the kept answer of {} is used", kept.model));
+        context.say(TOPIC, &format!("the kept answer of {} is used", kept.model));
         return Ok(Word::of(context, kept));
     }
     match plan {

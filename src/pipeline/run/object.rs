@@ -1,6 +1,6 @@
 //! Object masks: by a network where one is active, else by flow, colours and cuts.
 
-use std::{cell::Cell, collections::BTreeMap, sync::Arc};
+use std::{collections::BTreeMap, sync::Arc};
 
 use super::{context::Context, edits::human_masks};
 use crate::{
@@ -60,37 +60,25 @@ fn object_by_network(
     prompts: &[ObjectPrompt],
     arms: (&ArmTrack, &Key),
 ) -> Result<Option<(Arc<MaskTrack>, Key)>, ClipFailure> {
-    const INSTEAD: &str = "object masks without a network";
     if prompts.is_empty() {
         return Ok(None);
     }
-    let Some(model) = context.model(&SAM2_VIDEO, INSTEAD) else { return Ok(None) };
-    let params = ObjectParams::default();
-    let inputs = (&params, prompts, model.identity());
-    let failed = Cell::new(None);
-    let made = context.cached_stage(Stage::Object, &[arms.1], &inputs, ExitCode::BadInput, |watch| {
-        let tell = |index: FrameIndex, mask: &MaskFrame| context.tell_mask(index, mask);
-        let sink: Option<&object::MaskSink<'_>> = context.listener.wants_every_mask().then_some(&tell);
-        let mut by_hand =
-            |prompt: &ObjectPrompt| mask_of_prompt(context, clip, prompt, arms.0, &params, watch);
-        let network =
-            context.installation.runtime().and_then(|runtime| VideoSegmenter::open(&runtime, &model));
-        let track = network.map_err(SegmentError::from).and_then(|mut network| {
-            sam2::track_object(clip, prompts, &mut network, &mut by_hand, sink, watch)
-        });
-        track.inspect_err(|error| {
-            if let SegmentError::Network(error) = error {
-                failed.set(Some(error.clone()));
-            }
+    context.with_model(&SAM2_VIDEO, "object masks without a network", |model, fault| {
+        let params = ObjectParams::default();
+        let inputs = (&params, prompts, model.identity());
+        context.cached_stage(Stage::Object, &[arms.1], &inputs, ExitCode::BadInput, |watch| {
+            let tell = |index: FrameIndex, mask: &MaskFrame| context.tell_mask(index, mask);
+            let sink: Option<&object::MaskSink<'_>> = context.listener.wants_every_mask().then_some(&tell);
+            let mut by_hand =
+                |prompt: &ObjectPrompt| mask_of_prompt(context, clip, prompt, arms.0, &params, watch);
+            let network =
+                context.installation.runtime().and_then(|runtime| VideoSegmenter::open(&runtime, model));
+            let track = network.map_err(SegmentError::from).and_then(|mut network| {
+                sam2::track_object(clip, prompts, &mut network, &mut by_hand, sink, watch)
+            });
+            track.inspect_err(|error| fault.note(error.of_model()))
         })
-    });
-    match (made, failed.take()) {
-        (Err(_), Some(error)) => {
-            context.fall_back(&error, INSTEAD);
-            Ok(None)
-        }
-        (made, _) => made.map(Some),
-    }
+    })
 }
 
 /// The mask that a prompt means on its own frame: by a network where one is active.
@@ -102,17 +90,16 @@ fn mask_of_prompt(
     params: &ObjectParams,
     watch: &dyn Watch,
 ) -> Result<RleMask, SegmentError> {
-    const INSTEAD: &str = "the prompt's mask without a network";
-    if let Some(model) = context.model(&SAM2_IMAGE, INSTEAD) {
+    let mask = context.with_model(&SAM2_IMAGE, "the prompt's mask without a network", |model, fault| {
         let network =
-            context.installation.runtime().and_then(|runtime| ImageSegmenter::open(&runtime, &model));
+            context.installation.runtime().and_then(|runtime| ImageSegmenter::open(&runtime, model));
         let mask = network
             .map_err(SegmentError::from)
             .and_then(|mut network| sam2::segment_frame(clip, prompt, &mut network));
-        match mask {
-            Err(SegmentError::Network(error)) => context.fall_back(&error, INSTEAD),
-            other => return other,
-        }
+        mask.inspect_err(|error| fault.note(error.of_model()))
+    })?;
+    if let Some(mask) = mask {
+        return Ok(mask);
     }
     let arms = arms.union.frame(prompt.frame).mask.clone();
     object::segment_frame(clip, prompt, Some(arms), params, watch)
