@@ -40,9 +40,10 @@ impl From<ModelReport> for Model {
 pub(super) fn run(json: bool, models: &ModelArguments) -> Outcome {
     let installation = Installation { models: models.options(), ..Installation::locate() };
     let parts = installation.examine();
-    let stages = installation.stage_backends(&parts);
+    let models = installation.examine_models();
+    let stages = installation.stage_backends(&parts, &models);
     let ready = parts.iter().all(|part| part.found.is_some() || !part.required);
-    let models = installation.examine_models().into_iter().map(Model::from).collect();
+    let models = models.into_iter().map(Model::from).collect();
     let report = Report { parts, models, stages, ready };
     if json {
         let text =

@@ -7,7 +7,10 @@ use std::{
 
 use serde::Serialize;
 
-use super::ModelOptions;
+use super::{
+    ModelOptions, ModelReport,
+    learned::{Findings, backend},
+};
 use crate::{
     inpaint::video::VIDEO_INPAINT,
     render::{self, DeviceChoice},
@@ -26,6 +29,8 @@ pub struct Installation {
     pub vlm: VlmSettings,
     /// Which learned models may be used.
     pub models: ModelOptions,
+    /// Models that were looked for already.
+    pub findings: Findings,
 }
 
 /// One part as `doctor` shows it.
@@ -69,6 +74,7 @@ impl Installation {
             data: data.join("agenticfocus"),
             vlm: VlmSettings::from_environment(|name| std::env::var(name).ok()),
             models: ModelOptions::default(),
+            findings: Findings::default(),
         }
     }
 
@@ -139,17 +145,17 @@ impl Installation {
         }
     }
 
-    /// Which back end each stage would use with the parts that were found.
-    pub fn stage_backends(&self, parts: &[PartReport]) -> Vec<StageBackend> {
+    /// Which back end each stage would use with the parts and the models that were found.
+    pub fn stage_backends(&self, parts: &[PartReport], models: &[ModelReport]) -> Vec<StageBackend> {
         let has = |name| parts.iter().any(|part| part.name == name && part.found.is_some());
         let either = |ok: bool, yes: &str, no: &str| if ok { yes.to_owned() } else { no.to_owned() };
         let row = |stage, backend| StageBackend { stage, backend };
         vec![
             row("clip", either(has("ffmpeg"), "ffmpeg", "unavailable: ffmpeg is missing")),
             row("select", self.selector()),
-            row("segment", self.backend(&SAM2_VIDEO, "classical: dense flow, colour models, graph cuts")),
+            row("segment", backend(models, &SAM2_VIDEO, "classical: dense flow, colour models, graph cuts")),
             row("template", "clean frame of the clip".to_owned()),
-            row("inpaint", self.backend(&VIDEO_INPAINT, "temporal background plate")),
+            row("inpaint", backend(models, &VIDEO_INPAINT, "temporal background plate")),
             row(
                 "hands",
                 either(has("hand estimator"), "MediaPipe, fitted in 3-D", "imported hand tracks only"),

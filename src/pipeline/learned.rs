@@ -1,6 +1,10 @@
 //! Learned models of this installation: where they are looked for, which may be used, what they are.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use super::Installation;
 use crate::{
@@ -23,6 +27,14 @@ pub struct ModelOptions {
     /// How the background network's windows are blended.
     pub blend: Blend,
 }
+
+/// What was found for a contract with the options it was looked for with.
+type Finding = (ModelOptions, Result<Option<CheckedModel>, OnnxError>);
+
+/// What was found for each contract. Files are large and a run comes to its models at every stage, a window at every
+/// change, so they are looked for and hashed once; models that are put there later need a new start.
+#[derive(Clone, Debug, Default)]
+pub struct Findings(Arc<Mutex<BTreeMap<&'static str, Finding>>>);
 
 /// A model as `doctor` shows it.
 #[derive(Clone, Debug)]
@@ -54,18 +66,42 @@ impl Installation {
     /// The first model that keeps `contract` and may be used; `None` where there is none.
     ///
     /// # Errors
-    /// Why the first one that says it keeps the contract cannot be used.
+    /// Why the first one that says it keeps the contract cannot be used, or why a model that does not say so cannot be
+    /// read where there is no other.
     pub fn model(&self, contract: &Contract) -> Result<Option<CheckedModel>, OnnxError> {
-        if self.models.off {
-            return Ok(None);
+        let mut findings = self.findings.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((options, found)) = findings.get(contract.id)
+            && *options == self.models
+        {
+            return found.clone();
         }
-        let mut keepers = ModelFolder::find(&self.model_folders()).into_iter().flatten();
-        let Some(found) = keepers.find(|model| model.description.contract == contract.id) else {
-            return Ok(None);
-        };
+        let found = self.find_model(contract);
+        findings.insert(contract.id, (self.models.clone(), found.clone()));
+        found
+    }
+
+    fn find_model(&self, contract: &Contract) -> Result<Option<CheckedModel>, OnnxError> {
+        let mut unreadable = None;
+        for found in self.folders_of_models() {
+            match found {
+                Ok(model) if model.description.contract == contract.id => {
+                    return self.check_model(&model, contract).map(Some);
+                }
+                Ok(_) => {}
+                Err(error) => unreadable = unreadable.or(Some(error)),
+            }
+        }
+        unreadable.map_or(Ok(None), Err)
+    }
+
+    fn folders_of_models(&self) -> Vec<Result<ModelFolder, OnnxError>> {
+        if self.models.off { Vec::new() } else { ModelFolder::find(&self.model_folders()) }
+    }
+
+    fn check_model(&self, model: &ModelFolder, contract: &Contract) -> Result<CheckedModel, OnnxError> {
         let registry = Registry::load(Some(&self.user_models()))?;
         let trust = Trust { registry: &registry, unlisted: self.models.allow_unlisted };
-        found.checked(contract.graphs, trust).map(Some)
+        model.checked(contract.graphs, trust)
     }
 
     /// What every model in use is, for the record of what went into a result. Those that cannot be used do not count.
@@ -83,15 +119,7 @@ impl Installation {
         Runtime::load(&self.onnx_runtime(), self.models.runtime)
     }
 
-    /// The back end of a stage that uses `contract` where a model keeps it and loads, and `embedded` otherwise.
-    pub(super) fn backend(&self, contract: &Contract, embedded: &str) -> String {
-        let loads = |model: &CheckedModel| self.try_model(model).is_ok();
-        let active = self.model(contract).ok().flatten().filter(loads);
-        let name = |model: CheckedModel| format!("{}, else {embedded}", model.description().name);
-        active.map_or_else(|| embedded.to_owned(), name)
-    }
-
-    /// Every model that is there, for `doctor`.
+    /// Every model that is there, for `doctor`: none where learned models are left alone.
     pub fn examine_models(&self) -> Vec<ModelReport> {
         let report = |found: Result<ModelFolder, OnnxError>| match found {
             Ok(model) => self.examine_model(&model),
@@ -102,17 +130,14 @@ impl Installation {
                 warning: None,
             },
         };
-        ModelFolder::find(&self.model_folders()).into_iter().map(report).collect()
+        self.folders_of_models().into_iter().map(report).collect()
     }
 
     fn examine_model(&self, model: &ModelFolder) -> ModelReport {
         let description = &model.description;
         let contract = CONTRACTS.iter().find(|contract| contract.id == description.contract);
         let state = match contract {
-            Some(contract) => Registry::load(Some(&self.user_models())).and_then(|registry| {
-                let trust = Trust { registry: &registry, unlisted: self.models.allow_unlisted };
-                self.try_model(&model.checked(contract.graphs, trust)?)
-            }),
+            Some(contract) => self.check_model(model, contract).and_then(|checked| self.try_model(&checked)),
             None => Err(unknown_contract(&model.folder, &description.contract)),
         };
         let warning = description.non_commercial.then(|| {
@@ -131,6 +156,14 @@ impl Installation {
             other => Err(model.wrong(format!("no stage uses the contract {other}"))),
         }
     }
+}
+
+/// The back end of a stage that uses `contract`, by what was found: `embedded` unless the first model that keeps it is
+/// active.
+pub(super) fn backend(models: &[ModelReport], contract: &Contract, embedded: &str) -> String {
+    let keeper = models.iter().find(|model| model.contract == contract.id);
+    let active = keeper.filter(|model| model.state.is_ok());
+    active.map_or_else(|| embedded.to_owned(), |model| format!("{}, else {embedded}", model.name))
 }
 
 fn unknown_contract(folder: &Path, found: &str) -> OnnxError {

@@ -22,7 +22,7 @@ pub use exit::ExitCode;
 pub use failure::ClipFailure;
 pub use installation::{Installation, PartReport, StageBackend};
 pub use job::{ClipJob, JobError, RawObjectPrompt, jobs_from_inputs};
-pub use learned::{ModelOptions, ModelReport};
+pub use learned::{Findings, ModelOptions, ModelReport};
 pub use manifest::{
     Manifest, ManifestCamera, ManifestClip, ManifestError, ManifestHands, ManifestObject, ManifestParams,
 };
