@@ -3,6 +3,8 @@
 
 #[path = "support/graph_writer.rs"]
 mod graph_writer;
+#[path = "support/onnx_runtime.rs"]
+mod onnx_runtime;
 #[path = "support/tiny_models.rs"]
 mod tiny_models;
 
@@ -16,25 +18,17 @@ use agenticfocus::{
         InpaintError, InpaintParams,
         video::{Blend, NetworkFrame, VIDEO_INPAINT, VideoNetwork, clean_by_network},
     },
-    onnx::{ModelFolder, OnnxError, Registry, Runtime, RuntimeOptions, Trust},
+    onnx::{ModelFolder, OnnxError, Registry, Runtime, Trust},
     progress::Unwatched,
     segment::{MaskAuthor, MaskFrame, MaskTrack, RleMask},
 };
+use onnx_runtime::runtime;
 use tiny_models::{mean_of_unmasked, write_model};
 
 const SIZE: Size = Size { width: 108, height: 60 };
 const COUNT: usize = 23;
 const LOCAL: i64 = 11;
 const REFERENCES: i64 = 6;
-
-fn runtime() -> Option<Runtime> {
-    let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(".deps/onnxruntime/libonnxruntime.so.1.31.1");
-    if !library.is_file() {
-        println!("skipped: no ONNX Runtime at {}", library.display());
-        return None;
-    }
-    Some(Runtime::load(&library, RuntimeOptions::default()).unwrap())
-}
 
 fn description(more: &str) -> String {
     format!("contract = \"video-inpaint/1\"\nname = \"Mean\"\nlicence = \"MIT\"\n{more}")

@@ -3,16 +3,16 @@
 
 #[path = "support/graph_writer.rs"]
 mod graph_writer;
+#[path = "support/onnx_runtime.rs"]
+mod onnx_runtime;
 #[path = "support/tiny_models.rs"]
 mod tiny_models;
-
-use std::path::Path;
 
 use agenticfocus::{
     clip::{FrameIndex, FramesInMemory},
     geometry::{Pixel, PixelBox, Size},
     image::{Mask, Rgb8},
-    onnx::{CheckedModel, Contract, ModelFolder, OnnxError, Registry, Runtime, RuntimeOptions, Trust},
+    onnx::{CheckedModel, Contract, ModelFolder, OnnxError, Registry, Runtime, Trust},
     progress::Unwatched,
     segment::{
         MaskAuthor, MaskFlag, MaskTrack, RleMask, SegmentError,
@@ -20,6 +20,7 @@ use agenticfocus::{
         sam2::{ImageSegmenter, SAM2_IMAGE, SAM2_VIDEO, VideoSegmenter, segment_frame, track_object},
     },
 };
+use onnx_runtime::runtime;
 use tiny_models::{red_picture, red_things, write_model};
 
 const SIZE: Size = Size { width: 64, height: 64 };
@@ -31,12 +32,7 @@ fn loaded<T>(
     graphs: &[(&str, Vec<u8>)],
     open: impl FnOnce(&Runtime, &CheckedModel) -> Result<T, OnnxError>,
 ) -> Option<T> {
-    let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(".deps/onnxruntime/libonnxruntime.so.1.31.1");
-    if !library.is_file() {
-        println!("skipped: no ONNX Runtime at {}", library.display());
-        return None;
-    }
-    let runtime = Runtime::load(&library, RuntimeOptions::default()).unwrap();
+    let runtime = runtime()?;
     let root = tempfile::tempdir().unwrap();
     let description = format!("contract = \"{}\"\nname = \"Red\"\nlicence = \"MIT\"\n", contract.id);
     write_model(root.path(), "red", &description, graphs);

@@ -3,6 +3,8 @@
 
 #[path = "support/graph_writer.rs"]
 mod graph_writer;
+#[path = "support/onnx_runtime.rs"]
+mod onnx_runtime;
 
 use std::{
     fs,
@@ -10,10 +12,11 @@ use std::{
 };
 
 use agenticfocus::onnx::{
-    Dim, ElementType, Graph, GraphSpec, ModelFolder, OnnxError, Registry, Runtime, RuntimeOptions, Sizes,
-    TensorSpec, Trust, Value, hash_file,
+    Dim, ElementType, Graph, GraphSpec, ModelFolder, OnnxError, Registry, Sizes, TensorSpec, Trust, Value,
+    hash_file,
 };
 use graph_writer::{Element, GraphWriter, Value as Attribute};
+use onnx_runtime::runtime;
 
 const DOUBLE: GraphSpec = GraphSpec {
     name: "double",
@@ -41,15 +44,6 @@ fn model(root: &Path, description: &str, graph: &[u8]) -> PathBuf {
     fs::write(folder.join("model.toml"), description).unwrap();
     fs::write(folder.join("double.onnx"), graph).unwrap();
     folder
-}
-
-fn runtime() -> Option<Runtime> {
-    let library = Path::new(env!("CARGO_MANIFEST_DIR")).join(".deps/onnxruntime/libonnxruntime.so.1.31.1");
-    if !library.is_file() {
-        println!("skipped: no ONNX Runtime at {}", library.display());
-        return None;
-    }
-    Some(Runtime::load(&library, RuntimeOptions::default()).unwrap())
 }
 
 fn anyone(registry: &Registry) -> Trust<'_> {
