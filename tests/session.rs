@@ -1,7 +1,11 @@
 //! The session document keeps every acknowledged command, whatever happens to the program.
 #![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
 
-use std::{collections::BTreeMap, fs};
+use std::{
+    collections::BTreeMap,
+    fs,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use agenticfocus::{
     clip::FrameIndex,
@@ -162,6 +166,25 @@ fn a_second_writer_is_told_who_holds_the_session() {
     assert!(Session::open_read_only(&path).is_ok());
     drop(session);
     assert!(Session::open(&path).is_ok());
+}
+
+/// A process that is just being started has copies of all files for a moment.
+#[test]
+fn a_lock_ends_with_its_session_while_other_processes_are_started() {
+    let folder = tempfile::tempdir().unwrap();
+    let done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let starts = || {
+            while !done.load(Ordering::Relaxed) {
+                std::process::Command::new("true").status().unwrap();
+            }
+        };
+        scope.spawn(starts);
+        scope.spawn(starts);
+        let taken = (0..2000).try_for_each(|_| SessionLock::take(folder.path()).map(drop));
+        done.store(true, Ordering::Relaxed);
+        taken.unwrap();
+    });
 }
 
 #[test]

@@ -28,7 +28,7 @@ impl std::fmt::Display for LockHolder {
 /// Held while a session is open for writing; the system releases it when the process ends, however it ends.
 #[derive(Debug)]
 pub struct SessionLock {
-    _file: File,
+    file: File,
 }
 
 impl SessionLock {
@@ -68,6 +68,15 @@ impl SessionLock {
         file.set_len(0).map_err(io("write"))?;
         file.rewind().map_err(io("write"))?;
         file.write_all(text.as_bytes()).map_err(io("write"))?;
-        Ok(Self { _file: file })
+        Ok(Self { file })
+    }
+}
+
+impl Drop for SessionLock {
+    /// Closing alone is not enough: a process that another thread is just starting holds a copy of the file until its
+    /// program runs, and the lock with it.
+    fn drop(&mut self) {
+        // Where the system cannot, closing has to do.
+        let _ = self.file.unlock();
     }
 }
