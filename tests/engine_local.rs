@@ -8,7 +8,10 @@ mod support;
 use std::{
     fs,
     path::{Path, PathBuf},
-    sync::{Arc, Condvar, Mutex},
+    sync::{
+        Arc, Condvar, Mutex,
+        atomic::{AtomicBool, Ordering},
+    },
     time::{Duration, Instant},
 };
 
@@ -30,10 +33,16 @@ struct Operator {
 
 impl Operator {
     fn new(out: &Path) -> Self {
+        Self::with_fault(out, Arc::default())
+    }
+
+    /// An engine of which the next job panics as soon as `fault` is set.
+    fn with_fault(out: &Path, fault: Arc<AtomicBool>) -> Self {
         let woken = Arc::new((Mutex::new(false), Condvar::new()));
         let waker = {
             let woken = Arc::clone(&woken);
             Arc::new(move || {
+                assert!(!fault.swap(false, Ordering::Relaxed), "made up by a test");
                 *woken.0.lock().unwrap() = true;
                 woken.1.notify_all();
             })
@@ -243,6 +252,30 @@ fn a_folder_that_cannot_be_written_loses_nothing_and_saving_resumes() {
     let (session, _) = agenticfocus::session::Session::open(&opened.folder).unwrap();
     assert_eq!(session.document().task.as_deref(), Some("after it"));
     assert!(session.document().object_masks.contains_key(&FrameIndex(3)));
+}
+
+#[test]
+fn a_panic_in_a_job_ends_that_job_with_a_message_and_the_engine_lives_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let clip = folder.path().join("clip.mp4");
+    support::episode(folder.path());
+    let fault = Arc::new(AtomicBool::new(false));
+    let operator = Operator::with_fault(&folder.path().join("out"), Arc::clone(&fault));
+    let opened = operator.open(&clip);
+    let document = opened.history.document();
+    fault.store(true, Ordering::Relaxed);
+    operator.work(document, 1);
+    let end = Instant::now() + Duration::from_secs(60);
+    let failure = loop {
+        match operator.engine.poll() {
+            Some(Event::WorkEnded { result, .. }) => break result.unwrap_err().unwrap(),
+            _ => assert!(Instant::now() < end),
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    assert!(failure.message.contains("made up by a test") && failure.message.contains("session is safe"));
+    operator.work(document, 2);
+    operator.wait(|event| matches!(event, Event::Found { finding: Finding::Clip(_), .. }).then_some(()));
 }
 
 #[test]

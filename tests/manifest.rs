@@ -26,7 +26,7 @@ rotate = 180
 object = { label = "block T", frame = 3, box = [920, 214, 1026, 320] }
 camera = { hfov_deg = 60.0 }
 hands = { track = "hands.npz", length_mm = 180 }
-params = { beta = "fit", alpha = 0.4, T_offset = [0.05, 0.0, 0.43], R_cam = { pitch_deg = 30.0 }, smoothing = "ema", wrist = { right = { yaw_deg = -6.0 } } }
+params = { beta = "fit", alpha = 0.4, T_offset = [0.05, 0.0, 0.43], R_cam = { pitch_deg = 30.0 }, smoothing = "ema", wrist = { right = { yaw_deg = -6.0 } }, hole_dilation = 0.02 }
 vlm = { mode = "live", model = "some-vlm", profile = "abs-xyxy" }
 start = 1.0
 end = 2.5
@@ -49,6 +49,7 @@ fn every_key_of_the_schema_arrives_in_the_document() {
     assert_eq!(document.retarget.alpha, Some(0.4));
     assert_eq!(document.retarget.hand_length, Some(0.18));
     assert_eq!(document.retarget.smoothing, Some(Smoothing::Ema));
+    assert_eq!(document.hole_dilation, Some(0.02));
     let wrist = document.retarget.wrist;
     assert_eq!((wrist.left, wrist.right.degrees()), (WristTurn::default(), [0.0, 0.0, -6.0]));
     let Some(CameraRotation::Angles(angles)) = document.retarget.camera_rotation else {
@@ -103,6 +104,7 @@ fn values_that_make_no_sense_are_refused_by_clip() {
         ("start = 3.0\nend = 2.0", "start"),
         ("params = { alpha = 0.0 }", "alpha"),
         ("params = { beta = \"big\" }", "beta"),
+        ("params = { hole_dilation = 0.2 }", "hole_dilation"),
         ("params = { wrist = { left = { roll_deg = 200.0 } } }", "wrist"),
         ("params = { wrist = { roll_deg = 2.0 } }", "roll_deg"),
         ("params = { R_cam = [[1.0,0.0,0.0],[0.0,1.0,0.0],[0.0,0.0,2.0]] }", "R_cam"),

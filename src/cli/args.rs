@@ -59,7 +59,8 @@ Manifest (TOML; JSON Lines takes the same keys, one clip a line):
   hands = { track = \"hands.npz\", length_mm = 187 }
   params = { beta = \"fit\", alpha = 0.5, T_offset = [0.0576, 0.0, 0.4299], R_cam = { pitch_deg = 47.6 } }
                                   also smoothing = \"zero_phase\", \"ema\" or \"none\", and
-                                  wrist = { right = { roll_deg = 2.0, pitch_deg = -3.0, yaw_deg = 0.0 } }
+                                  wrist = { right = { roll_deg = 2.0, pitch_deg = -3.0, yaw_deg = 0.0 } },
+                                  hole_dilation = 0.012 (share of the picture's width, default 0.009)
   vlm = { mode = \"live\", model = \"qwen2.5vl:7b\", profile = \"abs-xyxy\" }   each may be left out; not the address
   start = 1.0                     seconds
   end = 9.5
@@ -148,6 +149,8 @@ pub(super) enum Verb {
     Ui {
         /// A clip, a session or a folder
         input: Option<PathBuf>,
+        #[command(flatten)]
+        models: ModelArguments,
     },
     /// Process one clip for a batch; it speaks JSON on standard input and output
     #[command(hide = true)]

@@ -21,6 +21,8 @@ use clap::Parser as _;
 use crate::pipeline::{ExitCode, Installation, RunOptions};
 use args::{Arguments, Verb};
 
+pub use models::ModelArguments;
+
 /// What a subcommand comes back with: an exit code, or a line for standard error and its code.
 type Outcome = Result<ExitCode, Failure>;
 
@@ -79,7 +81,7 @@ fn dispatch(arguments: Arguments) -> Outcome {
         Some(Verb::Synth { episodes, seed, frames, out }) => synth::run(&out, episodes, seed, frames),
         Some(Verb::Bench(arguments)) => bench::run(&arguments),
         Some(Verb::Robot { verb }) => robot::run(&verb),
-        Some(Verb::Ui { input }) => ui::run(input.as_deref()),
+        Some(Verb::Ui { input, models }) => ui::run(input.as_deref(), &models),
         Some(Verb::ClipWorker { threads, keep_frames, layers, vlm, models, out }) => {
             let installation = Installation { models: models.options(), ..vlm.installation() };
             worker::run(&out, threads, RunOptions { keep_frames, layers }, &installation)

@@ -13,7 +13,7 @@ use crate::{
 /// Learned models.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Learned models")]
-pub(super) struct ModelArguments {
+pub struct ModelArguments {
     /// Look for models in this folder first (then in the user's data folder, then in ./models)
     #[arg(long, value_name = "DIR")]
     models: Vec<PathBuf>,
@@ -44,7 +44,7 @@ fn blend(name: &str) -> Result<Blend, String> {
 
 impl ModelArguments {
     /// What they say.
-    pub(super) fn options(&self) -> ModelOptions {
+    pub fn options(&self) -> ModelOptions {
         let usual = RuntimeOptions::default();
         ModelOptions {
             folders: self.models.clone(),
@@ -55,8 +55,8 @@ impl ModelArguments {
         }
     }
 
-    /// The same as words, for a worker.
-    pub(super) fn words(&self) -> Vec<String> {
+    /// The same as words, for another program of ours.
+    pub fn words(&self) -> Vec<String> {
         let flags = [("--allow-unlisted-model", self.allow_unlisted_model), ("--no-models", self.no_models)];
         let set = flags.into_iter().filter(|(_, set)| *set).map(|(flag, _)| flag.to_owned());
         let folders = self.models.iter().map(|folder| format!("--models={}", folder.to_string_lossy()));

@@ -2,11 +2,13 @@
 
 use std::{collections::BTreeMap, path::PathBuf, sync::Arc, time::SystemTime};
 
-use super::{Finding, PictureRequest, Revision, Shown};
+use super::{Finding, ModelUse, PictureRequest, Revision, Shown};
 use crate::{
     clip::FrameIndex,
-    geometry::Pixel,
+    geometry::{Pixel, Side},
+    hands::HandFrame,
     image::Rgb8,
+    landmarks::KEYPOINT_COUNT,
     segment::RleMask,
     session::{Author, Command, History, LockHolder, MaskId, MaskLayer, ReviewState},
 };
@@ -77,6 +79,15 @@ pub struct WorkFailure {
     pub stage: Option<String>,
     /// What happened, to what, and what to do.
     pub message: String,
+}
+
+/// A mask made from points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drafted {
+    /// The mask.
+    pub mask: Arc<RleMask>,
+    /// The back end that made it, as records name back ends.
+    pub backend: String,
 }
 
 /// Something the engine tells.
@@ -157,7 +168,25 @@ pub enum Event {
         /// The points it was made from: on it and beside it.
         points: (Vec<Pixel>, Vec<Pixel>),
         /// The mask, or why there is none.
-        result: Result<Arc<RleMask>, String>,
+        result: Result<Drafted, String>,
+    },
+    /// A hand fitted to keypoints that are being dragged.
+    HandDraft {
+        /// The frame.
+        frame: FrameIndex,
+        /// Which hand.
+        side: Side,
+        /// The keypoints it was fitted to.
+        keypoints: Box<[Pixel; KEYPOINT_COUNT]>,
+        /// The hand, invalid where nothing fits; or why there is none.
+        result: Result<Box<HandFrame>, String>,
+    },
+    /// How it stands with a learned model.
+    Model {
+        /// What it is used for.
+        purpose: ModelUse,
+        /// Why it is done without, in one line; `None` where nothing is wrong: it did its part, or none is there.
+        fault: Option<String>,
     },
     /// How the export goes on, 0 to 1.
     ExportProgress {

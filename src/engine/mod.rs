@@ -9,13 +9,15 @@ mod event;
 mod finding;
 #[cfg(feature = "engine")]
 mod local;
+mod model_use;
 mod picture;
 mod request;
 
-pub use event::{Access, Event, Opened, QueueItem, SaveState, WorkFailure};
+pub use event::{Access, Drafted, Event, Opened, QueueItem, SaveState, WorkFailure};
 pub use finding::Finding;
 #[cfg(feature = "engine")]
 pub use local::{LocalEngine, Waker};
+pub use model_use::ModelUse;
 pub use picture::{Layers, OrbitCamera, PictureKind, PictureRequest, Shown};
 pub use request::{Change, Request, Revision};
 

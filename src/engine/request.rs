@@ -5,7 +5,8 @@ use std::{path::PathBuf, sync::Arc};
 use super::PictureRequest;
 use crate::{
     clip::FrameIndex,
-    geometry::Pixel,
+    geometry::{Pixel, Side},
+    landmarks::KEYPOINT_COUNT,
     segment::RleMask,
     session::{Author, Document, Entry, MaskId, MaskLayer},
 };
@@ -72,6 +73,16 @@ pub enum Request {
         positive: Vec<Pixel>,
         /// Points beside it.
         negative: Vec<Pixel>,
+    },
+    /// A hand on one frame alone, fitted to keypoints that are being dragged. An older wish that was not begun is
+    /// dropped. Answer: [`super::Event::HandDraft`].
+    FitHand {
+        /// The frame.
+        frame: FrameIndex,
+        /// Which hand.
+        side: Side,
+        /// Its keypoints as they are now.
+        keypoints: Box<[Pixel; KEYPOINT_COUNT]>,
     },
     /// Writes the results of the saved session. Answer: [`super::Event::Exported`].
     Export,

@@ -20,13 +20,13 @@ pub fn inpaint_mask(arm: &Mask, object: &Mask, params: &InpaintParams) -> opencv
 
 /// The object without its rim: pixels that are certainly the object's.
 pub(super) fn core_mat(object: &Mat, params: &InpaintParams) -> opencv::Result<Mat> {
-    grown(object, -InpaintParams::pixels(params.object_erosion, object.cols_u32(), 1))
+    grown(object, -params.object_inset(object.cols_u32()).cast_signed())
 }
 
 /// [`inpaint_mask`] on CV_8UC1 matrices, given the object's [`core_mat`].
 pub(super) fn hole_mat(arm: &Mat, core: &Mat, params: &InpaintParams) -> opencv::Result<Mat> {
     let width = arm.cols_u32();
-    let wide = grown(arm, InpaintParams::pixels(params.hole_dilation, width, 2))?;
+    let wide = grown(arm, params.hole_reach(width).cast_signed())?;
     let (mut outside, mut hole) = (Mat::default(), Mat::default());
     opencv::core::bitwise_not_def(core, &mut outside)?;
     opencv::core::bitwise_and_def(&wide, &outside, &mut hole)?;

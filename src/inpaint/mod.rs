@@ -20,7 +20,6 @@ mod gather;
 mod hole;
 #[cfg(feature = "engine")]
 mod moved;
-#[cfg(feature = "engine")]
 mod params;
 #[cfg(feature = "engine")]
 mod plate;
@@ -42,6 +41,5 @@ pub use clean::{SinkError, clean};
 pub use error::InpaintError;
 #[cfg(feature = "engine")]
 pub use hole::inpaint_mask;
-#[cfg(feature = "engine")]
 pub use params::InpaintParams;
 pub use report::{FrameCoverage, InpaintReport};

@@ -73,8 +73,46 @@ impl Default for InpaintParams {
 }
 
 impl InpaintParams {
+    /// The widest hole a person may ask for, as a share of the picture's width: twice a finger.
+    pub const WIDEST_DILATION: f64 = 0.05;
+
+    /// The defaults with the hole widened by `share`. What is taken out must not teach the background, so that the
+    /// guard keeps its distance from a wider hole.
+    #[must_use]
+    pub fn with_hole_dilation(share: f64) -> Self {
+        let usual = Self::default();
+        let guard = usual.guard + (share - usual.hole_dilation).max(0.0);
+        Self { hole_dilation: share, guard, ..usual }
+    }
+
+    /// Pixels by which the arm mask of a picture `width` wide is widened to make the hole.
+    pub fn hole_reach(&self, width: u32) -> u32 {
+        Self::pixels(self.hole_dilation, width, 2).unsigned_abs()
+    }
+
+    /// Pixels by which the object mask of a picture `width` wide is narrowed before it is taken out of the hole.
+    pub fn object_inset(&self, width: u32) -> u32 {
+        Self::pixels(self.object_erosion, width, 1).unsigned_abs()
+    }
+
     /// A share of the width in whole pixels, at least `least`.
     pub(super) fn pixels(share: f64, width: u32, least: i32) -> i32 {
         ((share * f64::from(width)).round() as i32).max(least)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wider_hole_keeps_its_distance_to_what_teaches_the_background() {
+        let usual = InpaintParams::default();
+        assert_eq!(InpaintParams::with_hole_dilation(usual.hole_dilation), usual);
+        let wide = InpaintParams::with_hole_dilation(0.03);
+        assert!((wide.guard - wide.hole_dilation - (usual.guard - usual.hole_dilation)).abs() < 1e-12);
+        assert_eq!((wide.hole_reach(640), usual.hole_reach(640)), (19, 6));
+        let narrow = InpaintParams::with_hole_dilation(0.0);
+        assert!((narrow.guard - usual.guard).abs() < 1e-12 && narrow.hole_reach(640) == 2);
     }
 }

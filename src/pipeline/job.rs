@@ -7,7 +7,9 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use super::manifest::{Manifest, ManifestClip, ManifestError, ManifestObject, retarget_settings};
+use super::manifest::{
+    Manifest, ManifestClip, ManifestError, ManifestObject, hole_dilation, retarget_settings,
+};
 use crate::{
     select::vlm::VlmWish,
     session::{ClipReference, Document},
@@ -190,6 +192,8 @@ fn manifest_job(manifest: &Path, folder: &Path, clip: &ManifestClip) -> Result<C
         let command = crate::session::Command::SetCamera(camera);
         document.apply(command).map_err(|error| refuse(error.to_string()))?;
     }
+    let dilation = crate::session::Command::SetHoleDilation(hole_dilation(clip));
+    document.apply(dilation).map_err(|error| refuse(error.to_string()))?;
     let settings = crate::session::Command::SetRetarget(retarget_settings(clip));
     document.apply(settings).map_err(|error| refuse(error.to_string()))?;
     if let Some(track) = clip.hands.as_ref().and_then(|hands| hands.track.as_ref()) {

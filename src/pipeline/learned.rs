@@ -94,8 +94,17 @@ impl Installation {
         unreadable.map_or(Ok(None), Err)
     }
 
+    /// Every model in the folders of models; a folder that was asked for and holds none is one that cannot be used.
     fn folders_of_models(&self) -> Vec<Result<ModelFolder, OnnxError>> {
-        if self.models.off { Vec::new() } else { ModelFolder::find(&self.model_folders()) }
+        if self.models.off {
+            return Vec::new();
+        }
+        let asked_for = &self.models.folders;
+        let empty =
+            asked_for.iter().filter(|folder| ModelFolder::find(std::slice::from_ref(folder)).is_empty());
+        let reason = || "no model is there (a folder with model.toml)".to_owned();
+        let faults = empty.map(|path| Err(OnnxError::Unreadable { path: path.clone(), reason: reason() }));
+        ModelFolder::find(&self.model_folders()).into_iter().chain(faults).collect()
     }
 
     fn check_model(&self, model: &ModelFolder, contract: &Contract) -> Result<CheckedModel, OnnxError> {

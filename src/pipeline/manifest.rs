@@ -94,7 +94,7 @@ pub struct ManifestHands {
     pub length_mm: Option<f64>,
 }
 
-/// `params = { beta, alpha, smoothing, T_offset, R_cam, wrist }`.
+/// `params = { beta, alpha, smoothing, T_offset, R_cam, wrist, hole_dilation }`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ManifestParams {
@@ -107,6 +107,7 @@ pub struct ManifestParams {
     offset: Option<[f64; 3]>,
     #[serde(rename = "R_cam")]
     rotation: Option<ManifestRotation>,
+    hole_dilation: Option<f64>,
 }
 
 /// `wrist = { left, right }`, each `{ roll_deg, pitch_deg, yaw_deg }`.
@@ -220,6 +221,11 @@ impl ManifestCamera {
             _ => Err("camera: expected either fx, fy, cx and cy, or hfov_deg alone".to_owned()),
         }
     }
+}
+
+/// How far the hole in the background is widened, as a session keeps it.
+pub(super) fn hole_dilation(clip: &ManifestClip) -> Option<f64> {
+    clip.params.and_then(|params| params.hole_dilation)
 }
 
 /// Retargeting as a session keeps it.

@@ -9,6 +9,8 @@ use std::{
 use super::{Key, Stage};
 use crate::{
     clip::{ClipRequest, StandardClip},
+    engine::ModelUse,
+    onnx::OnnxError,
     robot::RobotModel,
     session::{FreshMasks, ObjectAnswer},
 };
@@ -24,6 +26,7 @@ pub struct Memory {
     robot: Mutex<Option<RobotModel>>,
     model_word: Mutex<Option<(String, ModelWord)>>,
     told: Mutex<BTreeMap<&'static str, String>>,
+    broken: Mutex<BTreeMap<ModelUse, OnnxError>>,
     masks: FreshMasks,
 }
 
@@ -71,6 +74,16 @@ impl Memory {
     /// Keeps what came of a question to a model, and forgets the one before it.
     pub(super) fn keep_model_word(&self, question: String, word: ModelWord) {
         *self.model_word.lock().unwrap_or_else(PoisonError::into_inner) = Some((question, word));
+    }
+
+    /// What the model for `purpose` broke down on.
+    pub(super) fn broken_model(&self, purpose: ModelUse) -> Option<OnnxError> {
+        self.broken.lock().unwrap_or_else(PoisonError::into_inner).get(&purpose).cloned()
+    }
+
+    /// Keeps what the model for `purpose` broke down on.
+    pub(super) fn keep_broken_model(&self, purpose: ModelUse, error: OnnxError) {
+        self.broken.lock().unwrap_or_else(PoisonError::into_inner).insert(purpose, error);
     }
 
     /// Whether `line` is another one than the last about `topic`: every change of a document comes to it again.

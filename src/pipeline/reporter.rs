@@ -10,7 +10,10 @@ use std::{
 };
 
 use super::Stage;
-use crate::{engine::Finding, progress::Watch};
+use crate::{
+    engine::{Finding, ModelUse},
+    progress::Watch,
+};
 
 /// Hears how a clip goes on.
 pub trait Listener: Sync {
@@ -22,6 +25,10 @@ pub trait Listener: Sync {
 
     /// Something was found out about the clip. A batch only writes results, so nothing happens by default.
     fn found(&self, _finding: Finding) {}
+
+    /// How it stands with a learned model: why it is done without, in one line; `None` where nothing is wrong. A batch
+    /// says it once, as a note, so nothing more happens by default.
+    fn model(&self, _purpose: ModelUse, _fault: Option<&str>) {}
 
     /// Whether every object mask is to be told as it is made, which costs time.
     fn wants_every_mask(&self) -> bool {

@@ -11,6 +11,7 @@ use super::{
 use crate::{
     clip::{CameraSpec, FrameIndex},
     geometry::Pixel,
+    inpaint::InpaintParams,
     landmarks::KEYPOINT_COUNT,
     retarget::Beta,
 };
@@ -68,6 +69,10 @@ impl Document {
             Command::SetReach { frame, reach } => {
                 let reach = put(&mut self.object_reach, frame, reach);
                 Command::SetReach { frame, reach }
+            }
+            Command::SetHoleDilation(share) => {
+                check_dilation(share)?;
+                Command::SetHoleDilation(replace(&mut self.hole_dilation, share))
             }
             Command::SetTemplateFrame(frame) => {
                 Command::SetTemplateFrame(replace(&mut self.template.frame, frame))
@@ -150,6 +155,15 @@ fn put<K: Ord, V>(map: &mut std::collections::BTreeMap<K, V>, key: K, value: Opt
     match value {
         Some(value) => map.insert(key, value),
         None => map.remove(&key),
+    }
+}
+
+fn check_dilation(share: Option<f64>) -> Result<(), ApplyError> {
+    match share {
+        Some(share) if !(0.0..=InpaintParams::WIDEST_DILATION).contains(&share) => {
+            Err(refuse("hole_dilation", share, "a share of the picture's width from 0 to 0.05"))
+        }
+        _ => Ok(()),
     }
 }
 

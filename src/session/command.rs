@@ -57,6 +57,8 @@ pub enum Command {
         /// Which way.
         reach: Option<MaskReach>,
     },
+    /// How far the hole in the background is widened, as a share of the picture's width; `None` is the default.
+    SetHoleDilation(Option<f64>),
     /// The clean frame; `None` lets the machine choose.
     SetTemplateFrame(Option<FrameIndex>),
     /// The template's mask on its frame.

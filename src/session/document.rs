@@ -237,6 +237,10 @@ pub struct Document {
     pub object_reach: BTreeMap<FrameIndex, MaskReach>,
     /// Masks a person made of the arms.
     pub arm_masks: BTreeMap<FrameIndex, MaskEdit>,
+    /// How far the arms' masks are widened to make the hole in the background, as a share of the picture's width
+    /// (default: [`InpaintParams::hole_dilation`](crate::inpaint::InpaintParams::hole_dilation)).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hole_dilation: Option<f64>,
     /// The template.
     pub template: TemplateEdits,
     /// A hand track to import instead of estimating, absolute path.

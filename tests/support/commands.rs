@@ -16,7 +16,7 @@ use nalgebra::Matrix3;
 use proptest::{option, prelude::*};
 
 /// Kinds of commands.
-pub const KINDS: usize = 20;
+pub const KINDS: usize = 21;
 
 /// Which kind: a new one does not compile until it is drawn here.
 pub fn kind(command: &Command) -> usize {
@@ -41,6 +41,7 @@ pub fn kind(command: &Command) -> usize {
         Command::SetReach { .. } => 17,
         Command::SetInterpolated { .. } => 18,
         Command::SetObjectAnswer(_) => 19,
+        Command::SetHoleDilation(_) => 20,
     }
 }
 
@@ -210,6 +211,7 @@ fn per_clip() -> impl Strategy<Value = Command> {
         option::of(text()).prop_map(Command::SetTask),
         camera().prop_map(Command::SetCamera),
         option::of(proposal()).prop_map(Command::SetObject),
+        option::of(0.0..0.05_f64).prop_map(Command::SetHoleDilation),
         option::of(frame()).prop_map(Command::SetTemplateFrame),
         option::of(mask_id()).prop_map(Command::SetTemplateMask),
         option::of(text()).prop_map(Command::SetHandTrack),
@@ -285,6 +287,8 @@ pub fn refused_command() -> impl Strategy<Value = Command> {
         Command::SetCamera(CameraSpec::Intrinsics { fx: f64::NAN, fy: 1.0, cx: 0.0, cy: 0.0 }),
         Command::SetPlacement { frame: FrameIndex(1), transform: Some(Matrix3::zeros()) },
         hand(21, 0.0),
+        Command::SetHoleDilation(Some(0.06)),
+        Command::SetHoleDilation(Some(f64::NAN)),
         Command::SetRetarget(RetargetSettings { alpha: Some(0.0), ..settings() }),
         Command::SetRetarget(RetargetSettings { beta: Some(Beta::Fixed(f64::INFINITY)), ..settings() }),
         Command::SetRetarget(RetargetSettings { offset: Some([0.0, f64::NAN, 0.0]), ..settings() }),

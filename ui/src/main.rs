@@ -8,7 +8,7 @@ use std::{
     time::Instant,
 };
 
-use agenticfocus::{engine::LocalEngine, pipeline::Installation};
+use agenticfocus::{cli::ModelArguments, engine::LocalEngine, pipeline::Installation};
 use agenticfocus_ui::{
     app::{NativeDialogs, OperatorApp, window_file},
     measure::Measure,
@@ -28,6 +28,9 @@ struct Arguments {
     /// Where sessions of opened clips and results go
     #[arg(long, value_name = "DIR", default_value = "sessions")]
     out: PathBuf,
+
+    #[command(flatten)]
+    models: ModelArguments,
 
     /// Go through all steps of the clip, save a picture of each in this folder, and end
     #[arg(long, value_name = "DIR", requires = "input")]
@@ -83,7 +86,8 @@ fn open_window(arguments: &Arguments, renderer: Renderer, began: Instant) -> efr
             let context = creation.egui_ctx.clone();
             let waker = Arc::new(move || context.request_repaint());
             let demo = demo_session(&arguments.out);
-            let engine = LocalEngine::start(arguments.out, Installation::locate(), waker);
+            let installation = Installation { models: arguments.models.options(), ..Installation::locate() };
+            let engine = LocalEngine::start(arguments.out, installation, waker);
             let mut app =
                 OperatorApp::new(Box::new(engine), Box::<NativeDialogs>::default()).offering_demo(demo);
             // Pictures and figures must be the same everywhere: neither takes up nor leaves anything.

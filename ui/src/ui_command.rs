@@ -149,8 +149,10 @@ pub enum UiCommand {
     NoObject,
     /// Tools edit the object's mask.
     LayerObject,
-    /// Tools edit the arms' mask.
-    LayerArms,
+    /// Tools edit the left arm's mask.
+    LayerLeftArm,
+    /// Tools edit the right arm's mask.
+    LayerRightArm,
     /// Add under the brush.
     Brush,
     /// Take away under the brush.
@@ -195,6 +197,12 @@ pub enum UiCommand {
     FillMore,
     /// Outlines of the frames before and after.
     OnionSkin,
+    /// The hole in the background one pixel wider.
+    HoleWider,
+    /// The hole in the background one pixel narrower.
+    HoleNarrower,
+    /// Outline of the hole in which the background is restored.
+    HoleOutline,
     /// Close the polygon, or take the points' mask.
     FinishShape,
     /// Cut the template from this frame.
@@ -347,7 +355,8 @@ const TABLE: &[Row] = &[
     row(UiCommand::DrawPoints, "Click points", "Click on the object, right-click beside it", &[key(NONE, Key::P)], Scope::Step(Step::Object)),
     row(UiCommand::NoObject, "No object", "Forget the chosen object", &[key(NONE, Key::Backspace)], Scope::Step(Step::Object)),
     row(UiCommand::LayerObject, "Object mask", "Tools edit the object's mask", &[key(NONE, Key::Num1)], Scope::Step(Step::Masks)),
-    row(UiCommand::LayerArms, "Arm mask", "Tools edit the arms' mask", &[key(NONE, Key::Num2)], Scope::Step(Step::Masks)),
+    row(UiCommand::LayerLeftArm, "Left arm", "Tools edit the left arm's mask", &[key(NONE, Key::Num2)], Scope::Step(Step::Masks)),
+    row(UiCommand::LayerRightArm, "Right arm", "Tools edit the right arm's mask", &[key(NONE, Key::Num3)], Scope::Step(Step::Masks)),
     row(UiCommand::Brush, "Brush", "Add under the brush", &[key(NONE, Key::B)], Scope::Step(Step::Masks)),
     row(UiCommand::Eraser, "Eraser", "Take away under the brush", &[key(NONE, Key::E)], Scope::Step(Step::Masks)),
     row(UiCommand::SwapBrush, "Swap brush and eraser", "Swap brush and eraser", &[key(NONE, Key::X)], Scope::Step(Step::Masks)),
@@ -370,6 +379,9 @@ const TABLE: &[Row] = &[
     row(UiCommand::FillLess, "Fainter masks", "Fill masks fainter", &[key(NONE, Key::Semicolon)], Scope::Global),
     row(UiCommand::FillMore, "Stronger masks", "Fill masks stronger", &[key(NONE, Key::Quote)], Scope::Global),
     row(UiCommand::OnionSkin, "Onion skin", "Outlines of the frames before and after", &[key(NONE, Key::N)], Scope::Step(Step::Masks)),
+    row(UiCommand::HoleWider, "Wider hole", "Restore the background one pixel farther around the arms", &[key(ALT, Key::CloseBracket)], Scope::Step(Step::Masks)),
+    row(UiCommand::HoleNarrower, "Narrower hole", "Restore the background one pixel less far around the arms", &[key(ALT, Key::OpenBracket)], Scope::Step(Step::Masks)),
+    row(UiCommand::HoleOutline, "Outline of the hole", "Show where the background is restored behind the arms", &[key(NONE, Key::U)], Scope::Step(Step::Masks)),
     row(UiCommand::FinishShape, "Finish shape", "Close the polygon, or take the points' mask", &[key(NONE, Key::Enter)], Scope::Step(Step::Masks)),
     row(UiCommand::TemplateHere, "Template from here", "Cut the template from this frame", &[key(NONE, Key::T)], Scope::Step(Step::Template)),
     row(UiCommand::TemplateAuto, "Best frame", "Let the machine choose the clean frame", &[key(SHIFT, Key::T)], Scope::Step(Step::Template)),

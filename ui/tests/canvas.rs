@@ -7,7 +7,7 @@ use std::sync::Arc;
 use agenticfocus::{
     clip::FrameIndex,
     engine::Request,
-    geometry::Pixel,
+    geometry::{Pixel, Side},
     image::Mask,
     segment::RleMask,
     session::{Command, MaskLayer, ObjectPromptKind, Step},
@@ -16,7 +16,7 @@ use agenticfocus_ui::{
     action::Action,
     canvas::{Canvas, View},
     paint,
-    state::{BeforeAfter, Draft, Tool},
+    state::{BeforeAfter, Draft, HandDraft, Tool},
     theme::{self, Tokens},
     ui_command::UiCommand,
 };
@@ -218,7 +218,8 @@ fn dragging_a_joint_moves_that_keypoint_alone() {
     };
     let path = [at(&harness, tip.x, tip.y), at(&harness, tip.x + 10.0, tip.y - 5.0)];
     drag(&mut harness, &path, PointerButton::Primary, Modifiers::NONE);
-    let actions = asked(&mut harness);
+    let mut actions = asked(&mut harness);
+    actions.retain(|action| !matches!(action, Action::Ask(Request::FitHand { .. })));
     let [Action::Change(Command::SetHandEdit { edit: Some(edit), .. })] = actions.as_slice() else {
         panic!("{actions:?}")
     };
@@ -284,7 +285,7 @@ fn points_ask_for_a_mask_and_enter_takes_the_answer() {
     assert!(asked(&mut harness).is_empty());
     let made = Mask::from_fn(SIZE, |x, y| x > 100 && y > 100 && x < 160 && y < 150);
     let mask = Some(Arc::new(RleMask::encode(&made)));
-    let draft = Draft { frame, positive, negative, mask, fault: None };
+    let draft = Draft { frame, positive, negative, mask, ..Draft::default() };
     harness.state_mut().bench.workspace.as_mut().unwrap().draft = Some(draft);
     harness.run();
     assert!(perform(&mut harness, UiCommand::FinishShape));
@@ -405,6 +406,69 @@ fn with_wrists(bench: &mut Bench) {
 }
 
 #[test]
+fn the_eraser_stays_within_the_arm_that_is_meant() {
+    let mut harness = on_step(Step::Masks);
+    let (at_left, at_right) = {
+        let workspace = harness.state().bench.workspace.as_ref().unwrap();
+        let sides = &workspace.found.arms.as_ref().unwrap().sides;
+        let [left, right] = [&sides.left[22], &sides.right[22]].map(RleMask::decode);
+        // Well inside one arm and far from the other.
+        let place = |one: &Mask, other: &Mask| {
+            let inner = paint::shrink(one, 5).minus(&paint::grow(other, 12));
+            let pixels = (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y)));
+            pixels.into_iter().find(|(x, y)| inner.get(*x, *y)).unwrap()
+        };
+        (place(&left, &right), place(&right, &left))
+    };
+    let options = &mut harness.state_mut().bench.options;
+    (options.mask_layer, options.side, options.tool) = (MaskLayer::Arms, Side::Left, Tool::Eraser);
+    options.brush_radius = 6.0;
+    harness.run();
+    let erase = |harness: &mut Harness<'_, Desk>, (x, y): (u32, u32)| {
+        let place = at(harness, f64::from(x), f64::from(y));
+        drag(harness, &[place, place + vec2(4.0, 0.0)], PointerButton::Primary, Modifiers::NONE);
+        asked(harness).iter().any(|action| matches!(action, Action::ChangeMask { .. }))
+    };
+    assert!(!erase(&mut harness, at_right), "the right arm is not meant");
+    assert!(erase(&mut harness, at_left));
+}
+
+#[test]
+fn a_joint_that_is_dragged_asks_for_the_hand_in_space_as_it_moves() {
+    let mut harness = on_step(Step::Hands);
+    let (frame, joint) = (FrameIndex(15), 11);
+    harness.state_mut().bench.workspace.as_mut().unwrap().playhead = frame;
+    harness.run();
+    let tip = {
+        let workspace = harness.state().bench.workspace.as_ref().unwrap();
+        workspace.found.hands.as_ref().unwrap().hands.left[15].keypoints[joint]
+    };
+    let from = at(&harness, tip.x, tip.y);
+    harness.hover_at(from);
+    harness.run();
+    button(&harness, from, PointerButton::Primary, true, Modifiers::NONE);
+    harness.hover_at(from + vec2(20.0, -30.0));
+    harness.run();
+    let actions = asked(&mut harness);
+    let fits: Vec<_> = actions
+        .iter()
+        .filter_map(|action| match action {
+            Action::Ask(Request::FitHand { frame: at, side: Side::Left, keypoints }) if *at == frame => {
+                Some(keypoints[joint])
+            }
+            _ => None,
+        })
+        .collect();
+    assert_eq!(fits.len(), 1, "{actions:?}");
+    assert!(fits[0].distance(tip) > 5.0);
+    harness.run();
+    assert!(asked(&mut harness).is_empty(), "nothing new, nothing asked");
+    button(&harness, from + vec2(20.0, -30.0), PointerButton::Primary, false, Modifiers::NONE);
+    harness.run();
+    assert!(matches!(&asked(&mut harness)[..], [Action::Change(Command::SetHandEdit { .. })]));
+}
+
+#[test]
 fn work_in_progress_looks_as_it_should() {
     let mut harness = harness(Bench::new(Tokens::dark()), vec2(720.0, 560.0));
     harness.state_mut().bench.options.step = Step::Masks;
@@ -447,6 +511,23 @@ fn work_in_progress_looks_as_it_should() {
     harness.hover_at(tip);
     harness.run();
     harness.snapshot("canvas_joint_dark");
+    let to = tip + vec2(24.0, -36.0);
+    button(&harness, tip, PointerButton::Primary, true, Modifiers::NONE);
+    harness.hover_at(to);
+    harness.run();
+    let workspace = harness.state_mut().bench.workspace.as_mut().unwrap();
+    let hand = Box::new(workspace.found.hands.as_ref().unwrap().hands.left[15].clone());
+    let (frame, side, keypoints) = (FrameIndex(15), Side::Left, Box::new(hand.keypoints));
+    workspace.hand_draft = Some(HandDraft { frame, side, keypoints, hand });
+    harness.run();
+    harness.snapshot("canvas_hand_fit_dark");
+    button(&harness, to, PointerButton::Primary, false, Modifiers::NONE);
+    let options = &mut harness.state_mut().bench.options;
+    options.step = Step::Masks;
+    (options.mask_layer, options.side, options.hole_outline) = (MaskLayer::Arms, Side::Left, true);
+    options.onion_skin = false;
+    harness.run();
+    harness.snapshot("canvas_hole_dark");
 }
 
 #[test]

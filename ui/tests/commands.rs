@@ -5,7 +5,8 @@ mod support;
 
 use agenticfocus::{
     clip::FrameIndex,
-    session::{LayerOrder, MaskLayer, Step},
+    engine::Request,
+    session::{LayerOrder, MaskEdit, MaskLayer, Step},
 };
 use agenticfocus_ui::{inspector::layer_order_on, ui_command::UiCommand};
 use egui::{Key, Modifiers, accesskit::Role};
@@ -126,7 +127,7 @@ fn a_control_with_the_keyboard_has_the_keys_that_work_it_until_escape() {
 fn a_polygon_is_drawn_mended_and_finished_by_keyboard_alone() {
     let mut window = window_in(Step::Masks);
     window.harness.state_mut().look_at(FrameIndex(5), Step::Masks);
-    run(&mut window, UiCommand::LayerArms);
+    run(&mut window, UiCommand::LayerRightArm);
     let inside = |window: &Window, x: u32, y: u32| {
         let workspace = window.harness.state().workspace().unwrap();
         workspace.mask_pixels(MaskLayer::Arms, FrameIndex(5)).unwrap().get(x, y)
@@ -153,4 +154,52 @@ fn a_polygon_is_drawn_mended_and_finished_by_keyboard_alone() {
     window.press(Modifiers::NONE, Key::Escape);
     window.press(Modifiers::NONE, Key::ArrowRight);
     assert_eq!(playhead(&window), 6);
+}
+
+#[test]
+fn one_arm_is_absent_or_shrunk_and_the_other_stays_as_it_is() {
+    let mut window = window_in(Step::Masks);
+    let frame = FrameIndex(5);
+    window.harness.state_mut().look_at(frame, Step::Masks);
+    let arms = |window: &Window| {
+        window.harness.state().workspace().unwrap().mask_pixels(MaskLayer::Arms, frame).unwrap()
+    };
+    let sides = window.harness.state().workspace().unwrap().found.arms.clone().unwrap();
+    let [left, right] = [&sides.sides.left, &sides.sides.right].map(|side| side[frame.as_usize()].decode());
+    assert!(!left.minus(&right).is_empty() && !right.is_empty(), "both arms are there");
+
+    run(&mut window, UiCommand::LayerRightArm);
+    run(&mut window, UiCommand::Shrink);
+    let shrunk = arms(&window);
+    assert!(shrunk.intersection_area(&right) < right.area());
+    assert_eq!(shrunk.minus(&right), left.minus(&right));
+    run(&mut window, UiCommand::Undo);
+
+    run(&mut window, UiCommand::LayerLeftArm);
+    run(&mut window, UiCommand::Absent);
+    assert_eq!(arms(&window), right);
+    run(&mut window, UiCommand::LayerRightArm);
+    run(&mut window, UiCommand::Absent);
+    assert_eq!(window.document().arm_masks.get(&frame), Some(&MaskEdit::Absent));
+}
+
+#[test]
+fn the_hole_is_widened_by_a_key_which_shows_it_and_which_undo_takes_back() {
+    let mut window = window_in(Step::Masks);
+    window.asked();
+    run(&mut window, UiCommand::HoleWider);
+    // Three pixels of 320 are the default.
+    assert_eq!(window.document().hole_dilation, Some(4.0 / 320.0));
+    assert!(window.harness.state().options().hole_outline);
+    assert!(
+        window.asked().iter().any(|request| matches!(request, Request::Work { .. })),
+        "it is restored anew"
+    );
+    run(&mut window, UiCommand::HoleNarrower);
+    assert_eq!(window.document().hole_dilation, Some(3.0 / 320.0));
+    run(&mut window, UiCommand::Undo);
+    run(&mut window, UiCommand::Undo);
+    assert_eq!(window.document().hole_dilation, None);
+    run(&mut window, UiCommand::HoleOutline);
+    assert!(!window.harness.state().options().hole_outline);
 }

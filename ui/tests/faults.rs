@@ -75,6 +75,34 @@ fn what_is_not_saved_is_said_loudly_until_it_is_saved() {
     assert!(window.harness.query_by_label("Saved").is_some());
 }
 
+/// A file as the system hands it over.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("nobody reads it here".to_owned())
+    }
+}
+
+#[test]
+fn what_is_dropped_on_the_window_is_opened_and_what_cannot_be_opened_is_said() {
+    let mut window = Window::new();
+    let path = PathBuf::from("/clips/cup.mp4");
+    window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path.clone())));
+    window.harness.run_steps(2);
+    assert!(window.asked().iter().any(|request| matches!(request, Request::Open(wanted) if *wanted == path)));
+    let message = "the video has gone: put it back, or choose another file".to_owned();
+    window.tell(Event::NotOpened { path, message });
+    assert!(window.says("/clips/cup.mp4 not opened: the video has gone"));
+    window.tell(Event::Opened(Box::new(opened(Access::Writable))));
+    assert!(!window.says("not opened"), "the window lives on");
+}
+
 /// Closes the window as the system asks for it; whether it obeys.
 fn closes(window: &mut Window) -> bool {
     let root = window.harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();

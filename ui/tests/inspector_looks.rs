@@ -3,7 +3,7 @@
 mod support;
 
 use agenticfocus::{
-    engine::Access,
+    engine::{Access, ModelUse},
     geometry::PerSide,
     retarget::{Beta, Smoothing, WristTurn},
     session::{Command, Entry, LockHolder, RetargetSettings, Step},
@@ -68,7 +68,7 @@ fn object() {
 
 #[test]
 fn masks() {
-    snapshots(Step::Masks, "masks", 800.0);
+    snapshots(Step::Masks, "masks", 1000.0);
 }
 
 #[test]
@@ -126,6 +126,17 @@ fn changed_parameters_have_a_dot_and_errors_a_plot() {
         let workspace = bench.workspace.as_mut().unwrap();
         workspace.history.apply(Entry::Do(Command::SetRetarget(settings))).unwrap();
         bench.options.plot = 1;
+    });
+}
+
+#[test]
+fn a_model_that_broke_down_is_named_beside_what_was_done_instead() {
+    let line = "/home/curator/.local/share/agenticfocus/models/e2fgvi-hq/video_inpaint.onnx: sha256 0f3a is listed in \
+                no registry.toml; add it to the one in your data folder if you made this file yourself, or pass \
+                --allow-unlisted-model; instead: background from plates";
+    snapshot_of(Step::Composite, "inspector_composite_fault", 720.0, |bench| {
+        let found = &mut bench.workspace.as_mut().unwrap().found;
+        found.take_model_fault(ModelUse::Background, Some(line.to_owned()));
     });
 }
 

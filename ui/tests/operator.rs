@@ -4,37 +4,19 @@
 
 #[path = "../../tests/support/mod.rs"]
 mod episode;
+mod real;
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    sync::{Arc, atomic::AtomicBool},
-    time::{Duration, Instant},
-};
+use std::{fs, path::Path, sync::atomic::AtomicBool};
 
 use agenticfocus::{
     clip::FrameIndex,
-    engine::LocalEngine,
     pipeline::{Installation, Listener, RunOptions, Stage, jobs_from_inputs, run_clip},
     session::{Author, ReviewState, Session, Step},
 };
-use agenticfocus_ui::{
-    app::{Dialogs, OperatorApp, Purpose},
-    state::Work,
-};
-use egui::{Key, Modifiers, Pos2, vec2};
-use egui_kittest::{Harness, kittest::Queryable as _};
-
-/// Nobody is asked for files here.
-struct NoDialogs;
-
-impl Dialogs for NoDialogs {
-    fn ask(&mut self, _purpose: Purpose, _start: Option<&Path>) {}
-
-    fn answer(&mut self) -> Option<(Purpose, PathBuf)> {
-        None
-    }
-}
+use agenticfocus_ui::app::OperatorApp;
+use egui::{Key, Modifiers, Pos2};
+use egui_kittest::kittest::Queryable as _;
+use real::{is_idle, press, wait, window};
 
 struct Quiet;
 
@@ -44,51 +26,13 @@ impl Listener for Quiet {
     fn note(&self, _text: &str) {}
 }
 
-type Window = Harness<'static, OperatorApp>;
-
-fn window(out: &Path) -> Window {
-    let engine = LocalEngine::start(out.to_owned(), Installation::locate(), Arc::new(|| {}));
-    let app = OperatorApp::new(Box::new(engine), Box::new(NoDialogs));
-    Harness::builder()
-        .with_size(vec2(1440.0, 900.0))
-        .wgpu()
-        .build_ui_state(|ui, app: &mut OperatorApp| app.show(ui), app)
-}
-
-/// Goes on drawing until `done`.
-fn wait(window: &mut Window, what: &str, done: impl Fn(&OperatorApp) -> bool) {
-    let end = Instant::now() + Duration::from_secs(300);
-    while !done(window.state()) {
-        assert!(Instant::now() < end, "{what}: {:?}", window.state().messages());
-        if let Some(Work::Failed(failure)) = window.state().workspace().map(|workspace| &workspace.work) {
-            panic!("{what}: {failure:?}");
-        }
-        window.run_steps(1);
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    window.run_steps(2);
-}
-
-fn is_idle(app: &OperatorApp) -> bool {
-    app.workspace().is_some_and(|workspace| {
-        workspace.work == Work::Idle
-            && workspace.worked_for == Some(workspace.revision)
-            && workspace.found.order.is_some()
-    })
-}
-
-fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
-    window.key_press_modifiers(modifiers, key);
-    window.run_steps(2);
-}
-
 #[test]
 fn an_operator_goes_from_the_queue_to_the_export_by_keys_and_labels() {
     let folder = tempfile::tempdir().unwrap();
     episode::episode(folder.path());
     let manifest = episode::manifest(folder.path(), &["clip"], "");
     let out = folder.path().join("window");
-    let mut window = window(&out);
+    let mut window = window(&out, Installation::locate());
     window.state_mut().open(manifest);
     wait(&mut window, "the queue", |app| app.queue().items.iter().any(|item| item.thumbnail.is_some()));
 
@@ -125,6 +69,18 @@ fn an_operator_goes_from_the_queue_to_the_export_by_keys_and_labels() {
     assert_eq!(drawn(window.state()), mask);
     press(&mut window, Modifiers::COMMAND, Key::ArrowRight);
     wait(&mut window, "the masks", is_idle);
+
+    // The hole behind the arms, two pixels wider.
+    let hole = |app: &OperatorApp| -> u64 {
+        let report = app.workspace().unwrap().found.background.clone().unwrap();
+        report.coverage.iter().map(|frame| frame.hole).sum()
+    };
+    let narrow = hole(window.state());
+    press(&mut window, Modifiers::ALT, Key::CloseBracket);
+    press(&mut window, Modifiers::ALT, Key::CloseBracket);
+    wait(&mut window, "the wider hole", is_idle);
+    assert_eq!(window.state().workspace().unwrap().document().hole_dilation, Some(5.0 / 320.0));
+    assert!(hole(window.state()) > narrow);
 
     // A frame without the object, a template by hand, an order, a scale: by label and by key.
     press(&mut window, Modifiers::NONE, Key::End);

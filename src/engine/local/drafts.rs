@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::scene::{DraftWish, Shared};
 use crate::{
     clip::{FrameIndex, FrameSource as _, StandardClip},
-    engine::Event,
+    engine::{Drafted, Event, ModelUse},
     onnx::OnnxError,
     progress::Unwatched,
     segment::{
@@ -30,18 +30,27 @@ impl Drafts {
         shared: &Shared,
         clip: &Arc<StandardClip>,
         wish: &DraftWish,
-    ) -> Result<RleMask, String> {
+    ) -> Result<Drafted, String> {
         let kind = PromptKind::Points { positive: wish.positive.clone(), negative: wish.negative.clone() };
         let prompt = ObjectPrompt::new(wish.frame, kind);
         match self.by_network(shared, clip, &prompt) {
             Some(Err(SegmentError::Network(error))) => self.give_up(shared, &error),
-            Some(mask) => return mask.map_err(|error| error.to_string()),
+            Some(mask) => {
+                shared.tell(Event::Model { purpose: ModelUse::PointMasks, fault: None });
+                let backend = self.network_name().unwrap_or_default().to_owned();
+                return mask.map(|mask| drafted(mask, backend)).map_err(|error| error.to_string());
+            }
             None => {}
         }
         let arms = shared.scene().filter(|_| wish.arms_matter).map(|scene| Arc::clone(&scene.found.arms));
         let arms = arms.map(|arms| arms.union.frame(wish.frame).mask.clone());
         object::segment_frame(&**clip, &prompt, arms, &ObjectParams::default(), &Unwatched)
+            .map(|mask| drafted(mask, object::BACKEND.to_owned()))
             .map_err(|error| error.to_string())
+    }
+
+    fn network_name(&self) -> Option<&str> {
+        Some(self.network.as_ref()?.as_ref()?.name())
     }
 
     /// `None` where no network is active.
@@ -75,8 +84,14 @@ impl Drafts {
     /// Says once why the network is not used any more.
     fn give_up(&mut self, shared: &Shared, error: &OnnxError) {
         *self = Self { network: Some(None), seen: None };
-        shared.tell(Event::Note(format!("{error}; masks are made without a network")));
+        let line = format!("{error}; instead: {}", ModelUse::PointMasks.instead());
+        shared.tell(Event::Note(line.clone()));
+        shared.tell(Event::Model { purpose: ModelUse::PointMasks, fault: Some(line) });
     }
+}
+
+fn drafted(mask: RleMask, backend: String) -> Drafted {
+    Drafted { mask: Arc::new(mask), backend }
 }
 
 /// The active network for clicks, where there is one.

@@ -7,7 +7,7 @@ use std::{
 
 use super::scene::Shared;
 use crate::{
-    engine::{Event, Finding, Revision},
+    engine::{Event, Finding, ModelUse, Revision},
     pipeline::{ClipFailure, Decisions, Listener, Stage},
     session::{Author, Command},
 };
@@ -55,6 +55,10 @@ impl Listener for WorkListener<'_> {
         if is_clip {
             self.shared.clip_is_there();
         }
+    }
+
+    fn model(&self, purpose: ModelUse, fault: Option<&str>) {
+        self.shared.tell(Event::Model { purpose, fault: fault.map(str::to_owned) });
     }
 
     fn wants_every_mask(&self) -> bool {

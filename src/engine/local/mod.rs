@@ -106,6 +106,9 @@ impl Engine for LocalEngine {
                 let arms_matter = layer == MaskLayer::Object;
                 shared.want_draft(scene::DraftWish { layer, frame, positive, negative, arms_matter });
             }
+            Request::FitHand { frame, side, keypoints } => {
+                shared.want_hand(scene::HandWish { frame, side, keypoints });
+            }
             Request::Export => self.order(Order::Export),
             Request::CancelExport => shared.cancel_export(),
         }

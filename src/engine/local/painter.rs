@@ -8,14 +8,16 @@ use std::{
 use super::{
     drafts::Drafts,
     panic_text,
-    scene::{DraftWish, PaintJob, Scene, Shared},
+    scene::{DraftWish, HandWish, PaintJob, Scene, Shared},
 };
 use crate::{
     clip::{FrameIndex, FrameSource, StandardClip},
     composite::Compositor,
     engine::{Event, Layers, OrbitCamera, PictureKind, PictureRequest, Shown},
     geometry::Size,
+    hands::{FitParams, HandFrame, fit_frame},
     image::Rgb8,
+    landmarks::HandLandmarks,
     pipeline::{FramePixels, compose_frame, layers_of, render_robot, robot_renderer},
     render::{OrbitRenderer, RobotRenderer},
     robot::RobotModel,
@@ -42,6 +44,12 @@ pub(super) fn run(shared: &Shared) {
                 });
                 shared.tell(Event::Picture { request, result });
             }
+            PaintJob::Hand(wish) => {
+                let fitted = catch_unwind(AssertUnwindSafe(|| fitted(shared, &wish)));
+                let result = fitted.unwrap_or_else(|panic| Err(panic_text(&*panic))).map(Box::new);
+                let HandWish { frame, side, keypoints } = wish;
+                shared.tell(Event::HandDraft { frame, side, keypoints, result });
+            }
             PaintJob::Draft(wish) => {
                 let drawn = catch_unwind(AssertUnwindSafe(|| drafts.mask(shared, &clip_of(shared)?, &wish)));
                 let result = drawn.unwrap_or_else(|panic| {
@@ -50,7 +58,7 @@ pub(super) fn run(shared: &Shared) {
                 });
                 let DraftWish { layer, frame, positive, negative, .. } = wish;
                 let points = (positive, negative);
-                shared.tell(Event::Draft { layer, frame, points, result: result.map(Arc::new) });
+                shared.tell(Event::Draft { layer, frame, points, result });
             }
         }
     }
@@ -67,6 +75,17 @@ fn scene_of(shared: &Shared) -> Result<Scene, String> {
         (None, Some(fault)) => Err(fault),
         (None, None) => Err("it is not worked out yet".to_owned()),
     }
+}
+
+/// A hand as its keypoints are dragged, as long as it was when the clip was fitted.
+fn fitted(shared: &Shared, wish: &HandWish) -> Result<HandFrame, String> {
+    let clip = clip_of(shared)?;
+    let found = shared.scene().map(|scene| Arc::clone(&scene.found.hands));
+    let length = found.as_ref().and_then(|track| track.hand_length[wish.side]);
+    let length = length.unwrap_or_else(|| 1e-3 * FitParams::default().hand_length_mm);
+    let before = found.as_ref().and_then(|track| track.hands[wish.side].get(wish.frame.as_usize()));
+    let seen = HandLandmarks { keypoints: *wish.keypoints, world: None, confidence: 1.0 };
+    fit_frame(&seen, wish.side, &clip.info.intrinsics, length, before).map_err(|error| error.to_string())
 }
 
 fn paint(shared: &Shared, studio: &mut Studio, request: &PictureRequest) -> Result<Shown, String> {

@@ -14,6 +14,7 @@ use crate::{
     clip::FrameIndex,
     engine::{Event, PictureRequest, Revision},
     geometry::{Pixel, Side},
+    landmarks::KEYPOINT_COUNT,
     pipeline::{ClipJob, Evidence, Installation, LayerPlan, Memory, Stage, Understood},
     segment::RleMask,
     session::{Document, MaskId, MaskLayer},
@@ -67,6 +68,7 @@ struct State {
     pictures: [Option<PictureRequest>; 3],
     thumbnails: VecDeque<PictureRequest>,
     draft: Option<DraftWish>,
+    hand: Option<HandWish>,
 }
 
 /// Shared between the engine's threads.
@@ -84,10 +86,19 @@ pub(super) struct Shared {
     pub(super) exporting: AtomicBool,
 }
 
+/// A hand somebody drags.
+#[derive(Clone, Debug)]
+pub(super) struct HandWish {
+    pub(super) frame: FrameIndex,
+    pub(super) side: Side,
+    pub(super) keypoints: Box<[Pixel; KEYPOINT_COUNT]>,
+}
+
 /// What the painter is to do next.
 pub(super) enum PaintJob {
     Picture(PictureRequest),
     Draft(DraftWish),
+    Hand(HandWish),
     Stop,
 }
 
@@ -250,6 +261,11 @@ impl Shared {
         self.changed.notify_all();
     }
 
+    pub(super) fn want_hand(&self, wish: HandWish) {
+        self.state().hand = Some(wish);
+        self.changed.notify_all();
+    }
+
     /// Waits for something to paint: what the operator looks at first, then drafts, then thumbnails.
     pub(super) fn next_paint_job(&self) -> PaintJob {
         let mut state = self.state();
@@ -271,6 +287,9 @@ impl Shared {
                     {
                         return PaintJob::Picture(request);
                     }
+                }
+                if let Some(hand) = state.hand.take() {
+                    return PaintJob::Hand(hand);
                 }
                 if let Some(draft) = state.draft.take() {
                     return PaintJob::Draft(draft);
@@ -309,7 +328,8 @@ fn first_affected(old: &Document, new: &Document) -> Option<Stage> {
         ),
         (old.arm_masks != new.arm_masks || old.object != new.object, Stage::Arms),
         ((&old.object_masks, &old.object_reach) != (&new.object_masks, &new.object_reach), Stage::Object),
-        (old.template != new.template, Stage::Template),
+        // The background is restored beside the template.
+        (old.template != new.template || old.hole_dilation != new.hole_dilation, Stage::Template),
         (
             old.hand_edits != new.hand_edits || old.retarget.hand_length != new.retarget.hand_length,
             Stage::Hands,
@@ -344,6 +364,7 @@ mod tests {
         };
         let alpha = RetargetSettings { alpha: Some(0.3), ..RetargetSettings::default() };
         assert_eq!(with(Command::SetRetarget(alpha)), Some(Stage::Retarget));
+        assert_eq!(with(Command::SetHoleDilation(Some(0.02))), Some(Stage::Template));
         assert_eq!(with(Command::SetTemplateFrame(Some(FrameIndex(3)))), Some(Stage::Template));
         assert_eq!(with(Command::SetConfirmed { step: Step::Masks, confirmed: true }), None);
         let order = LayerOrderRange {

@@ -6,6 +6,7 @@
 
 mod batch;
 mod kinematics;
+mod one;
 mod priors;
 mod runs;
 mod score;
@@ -16,6 +17,7 @@ mod start;
 mod terms;
 mod track;
 
+pub use one::fit_frame;
 pub use score::{FitScore, score_fit};
 use serde::{Deserialize, Serialize};
 

@@ -108,7 +108,7 @@ fn focal(pinhole: &Pinhole) -> f64 {
 }
 
 /// Keypoints as rays, in the mirror for right hands; `None` when they are not finite.
-fn sight(hand: &HandLandmarks, side: Side, pinhole: &Pinhole) -> Option<Sight> {
+pub(super) fn sight(hand: &HandLandmarks, side: Side, pinhole: &Pinhole) -> Option<Sight> {
     let mirror = if side == Side::Right { -1.0 } else { 1.0 };
     let rays = hand
         .keypoints

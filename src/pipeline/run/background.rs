@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::context::Context;
 use crate::{
     clip::{FrameIndex, FrameSource as _, FrameStore, FrameStoreWriter, StandardClip, StoreError},
+    engine::ModelUse,
     image::Rgb8,
     inpaint::{
         self, InpaintError, InpaintParams, InpaintReport, SinkError,
@@ -42,7 +43,8 @@ pub(super) fn background(
     arms: (&ArmTrack, &Key),
     object: (&MaskTrack, &Key),
 ) -> Result<Background, ClipFailure> {
-    let params = InpaintParams::default();
+    let params =
+        context.document.hole_dilation.map_or_else(InpaintParams::default, InpaintParams::with_hole_dilation);
     let masks = (&arms.0.union, object.0, [arms.1, object.1]);
     if let Some(made) = by_network(context, clip, masks, &params)? {
         return Ok(made);
@@ -60,7 +62,7 @@ fn by_network(
     masks: Masks<'_>,
     params: &InpaintParams,
 ) -> Result<Option<Background>, ClipFailure> {
-    context.with_model(&VIDEO_INPAINT, "background from plates", |model, fault| {
+    context.with_model(&VIDEO_INPAINT, ModelUse::Background, |model, fault| {
         let blend = context.installation.models.blend;
         let key = Key::new(Stage::Inpaint, &masks.2, &(params, model.identity(), blend))?;
         kept(context, clip, &key, |sink, watch| {

@@ -13,7 +13,7 @@ use super::super::{
 };
 use crate::{
     clip::FrameIndex,
-    engine::Finding,
+    engine::{Finding, ModelUse},
     onnx::{CheckedModel, Contract, OnnxError},
     segment::MaskFrame,
     session::{Author, Command, Document, MaskStore},
@@ -53,27 +53,46 @@ impl Context<'_> {
     }
 
     /// What `work` makes with the model of this installation that keeps `contract`; `None` where there is none, and where
-    /// it may not be used or `work` left a fault, which is said in one line with what is done `instead`.
+    /// it may not be used or `work` left a fault, which is said in one line with what is done instead. A model that broke
+    /// down is left alone while the clip is open: a window comes here at every change.
     pub(super) fn with_model<T, E>(
         &self,
         contract: &Contract,
-        instead: &'static str,
+        purpose: ModelUse,
         work: impl FnOnce(&CheckedModel, &ModelFault) -> Result<T, E>,
     ) -> Result<Option<T>, E> {
         let model = match self.installation.model(contract) {
             Ok(Some(model)) => model,
-            Ok(None) => return Ok(None),
-            Err(error) => return Ok(self.fall_back(&error, instead)),
+            Ok(None) => {
+                self.listener.model(purpose, None);
+                return Ok(None);
+            }
+            Err(error) => return Ok(self.fall_back(&error, purpose)),
         };
+        if let Some(error) = self.memory.and_then(|memory| memory.broken_model(purpose)) {
+            return Ok(self.fall_back(&error, purpose));
+        }
         let fault = ModelFault::default();
         match (work(&model, &fault), fault.0.take()) {
-            (Err(_), Some(error)) => Ok(self.fall_back(&error, instead)),
-            (made, _) => made.map(Some),
+            (Err(_), Some(error)) => {
+                if let Some(memory) = self.memory {
+                    memory.keep_broken_model(purpose, error.clone());
+                }
+                Ok(self.fall_back(&error, purpose))
+            }
+            (made, _) => {
+                if made.is_ok() {
+                    self.listener.model(purpose, None);
+                }
+                made.map(Some)
+            }
         }
     }
 
-    fn fall_back<T>(&self, error: &OnnxError, instead: &'static str) -> Option<T> {
-        self.say(instead, &format!("{error}; instead: {instead}"));
+    fn fall_back<T>(&self, error: &OnnxError, purpose: ModelUse) -> Option<T> {
+        let line = format!("{error}; instead: {}", purpose.instead());
+        self.say(purpose.instead(), &line);
+        self.listener.model(purpose, Some(&line));
         None
     }
 

@@ -5,6 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use super::{context::Context, edits::human_masks};
 use crate::{
     clip::{FrameIndex, FrameSource as _, StandardClip},
+    engine::ModelUse,
     landmarks::LandmarkTrack,
     pipeline::{ClipFailure, ExitCode, Key, Stage},
     progress::Watch,
@@ -63,7 +64,7 @@ fn object_by_network(
     if prompts.is_empty() {
         return Ok(None);
     }
-    context.with_model(&SAM2_VIDEO, "object masks without a network", |model, fault| {
+    context.with_model(&SAM2_VIDEO, ModelUse::ObjectMasks, |model, fault| {
         let params = ObjectParams::default();
         let inputs = (&params, prompts, model.identity());
         context.cached_stage(Stage::Object, &[arms.1], &inputs, ExitCode::BadInput, |watch| {
@@ -90,7 +91,7 @@ fn mask_of_prompt(
     params: &ObjectParams,
     watch: &dyn Watch,
 ) -> Result<RleMask, SegmentError> {
-    let mask = context.with_model(&SAM2_IMAGE, "the prompt's mask without a network", |model, fault| {
+    let mask = context.with_model(&SAM2_IMAGE, ModelUse::PointMasks, |model, fault| {
         let network =
             context.installation.runtime().and_then(|runtime| ImageSegmenter::open(&runtime, model));
         let mask = network

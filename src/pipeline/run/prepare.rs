@@ -70,6 +70,10 @@ fn follow_manifest(session: &mut Session, job: &ClipJob) -> Result<(), ClipFailu
     if wanted.hand_track != now.hand_track && (untouched || now.hand_track == initial.hand_track) {
         commands.push(Command::SetHandTrack(wanted.hand_track.clone()));
     }
+    if wanted.hole_dilation != now.hole_dilation && (untouched || now.hole_dilation == initial.hole_dilation)
+    {
+        commands.push(Command::SetHoleDilation(wanted.hole_dilation));
+    }
     if wanted.retarget != now.retarget && (untouched || now.retarget == initial.retarget) {
         commands.push(Command::SetRetarget(wanted.retarget));
     }

@@ -50,6 +50,9 @@ use crate::{
     vision::{WorkScale, single_threaded},
 };
 
+/// The back end's name in records.
+pub const BACKEND: &str = "classical";
+
 /// Hears of every mask as it is propagated, in any order and from any thread. Where sweeps from two prompts meet, a
 /// frame is told twice; what they make together is only in the finished track. Frames of prompts are never told.
 pub type MaskSink<'a> = dyn Fn(FrameIndex, &MaskFrame) + Sync + 'a;
@@ -101,7 +104,7 @@ pub fn track_object(
         finished(&scene, index, prompts.get(&index).copied(), &found[at])
     });
     let frames = frames.collect::<Result<Vec<MaskFrame>, SegmentError>>()?;
-    Ok(MaskTrack { size, frames, backend: "classical".to_owned() })
+    Ok(MaskTrack { size, frames, backend: BACKEND.to_owned() })
 }
 
 /// The object's visible part on the frame of `prompt` alone: what a person sees at once, before anything is

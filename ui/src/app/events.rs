@@ -3,7 +3,7 @@
 use agenticfocus::engine::{Access, Event, Request};
 
 use super::OperatorApp;
-use crate::state::{Work, Workspace};
+use crate::state::{HandDraft, Work, Workspace};
 
 impl OperatorApp {
     /// Takes every waiting event.
@@ -80,11 +80,18 @@ impl OperatorApp {
                 };
                 if let Some(draft) = workspace.draft.as_mut().filter(asked) {
                     match result {
-                        Ok(mask) => (draft.mask, draft.fault) = (Some(mask), None),
+                        Ok(drafted) => {
+                            (draft.mask, draft.fault) = (Some(drafted.mask), None);
+                            draft.backend = drafted.backend;
+                        }
                         Err(fault) => (draft.mask, draft.fault) = (None, Some(fault)),
                     }
                 }
             }
+            Event::HandDraft { frame, side, keypoints, result: Ok(hand) } => {
+                workspace.hand_draft = Some(HandDraft { frame, side, keypoints, hand });
+            }
+            Event::Model { purpose, fault } => workspace.found.take_model_fault(purpose, fault),
             Event::ExportProgress { share, left } => workspace.exporting = Some((share, left)),
             Event::Exported(result) => {
                 workspace.exporting = None;

@@ -239,8 +239,7 @@ impl OperatorApp {
                         frame: *frame,
                         positive: positive.clone(),
                         negative: negative.clone(),
-                        mask: None,
-                        fault: None,
+                        ..crate::state::Draft::default()
                     });
                 }
             }

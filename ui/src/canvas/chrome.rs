@@ -1,6 +1,9 @@
 //! The strips at the edges of the canvas: the step's tools above, the view below.
 
-use agenticfocus::session::{MaskLayer, Step};
+use agenticfocus::{
+    geometry::Side,
+    session::{MaskLayer, Step},
+};
 use egui::{
     Align, Button, Label, Layout, Popup, PopupCloseBehavior, Rect, RichText, Stroke, Ui, UiBuilder,
     WidgetInfo, accesskit::Role, vec2,
@@ -27,7 +30,6 @@ pub(super) struct Pressed {
 fn groups(cx: &Context<'_>, pressed: Pressed) -> [Group; 2] {
     let options = &cx.options;
     let tool = |command, tool| (command, Some(options.tool == tool));
-    let layer = |command, layer| (command, Some(options.mask_layer == layer));
     match options.step {
         Step::Object => [
             vec![
@@ -38,8 +40,9 @@ fn groups(cx: &Context<'_>, pressed: Pressed) -> [Group; 2] {
         ],
         Step::Masks => [
             vec![
-                layer(UiCommand::LayerObject, MaskLayer::Object),
-                layer(UiCommand::LayerArms, MaskLayer::Arms),
+                (UiCommand::LayerObject, Some(options.mask_layer == MaskLayer::Object)),
+                (UiCommand::LayerLeftArm, Some(options.arm() == Some(Side::Left))),
+                (UiCommand::LayerRightArm, Some(options.arm() == Some(Side::Right))),
             ],
             vec![
                 tool(UiCommand::Brush, Tool::Brush),
@@ -55,7 +58,7 @@ fn groups(cx: &Context<'_>, pressed: Pressed) -> [Group; 2] {
             vec![(UiCommand::TemplateMask, Some(pressed.template_mask)), (UiCommand::ForgetPlacement, None)],
         ],
         Step::Hands => {
-            let left = options.side == agenticfocus::geometry::Side::Left;
+            let left = options.side == Side::Left;
             [
                 vec![(UiCommand::LeftHand, Some(left)), (UiCommand::RightHand, Some(!left))],
                 vec![(UiCommand::SwapSides, None), (UiCommand::InvalidHand, None)],
@@ -170,6 +173,7 @@ fn layers_menu(ui: &mut Ui, cx: &mut Context<'_>, eyes: &mut Eyes) {
                 if cx.options.step == Step::Masks {
                     ui.checkbox(&mut eyes.arms, "Arm masks");
                     ui.checkbox(&mut cx.options.onion_skin, "Onion skin");
+                    ui.checkbox(&mut cx.options.hole_outline, "Outline of the hole");
                 }
             }
             Step::Retarget | Step::Composite | Step::Review => {

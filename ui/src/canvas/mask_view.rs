@@ -3,7 +3,12 @@
 
 use std::sync::Arc;
 
-use agenticfocus::{clip::FrameIndex, geometry::Size, image::Mask, segment::RleMask};
+use agenticfocus::{
+    clip::FrameIndex,
+    geometry::{Side, Size},
+    image::Mask,
+    segment::RleMask,
+};
 use egui::{Color32, ColorImage, Context, Painter, Rect, pos2};
 
 use super::{
@@ -11,10 +16,10 @@ use super::{
     texture::Texture,
     view::Projection,
 };
-use crate::paint::{Area, Outline, outline};
+use crate::paint::{Area, Outline, SideSplit, outline};
 
 /// Which colour a mask's pixels have.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) enum Colouring {
     /// The same everywhere.
     One(Color32),
@@ -22,34 +27,16 @@ pub(super) enum Colouring {
     Sides { left: Color32, right: Color32, split: Arc<SideSplit> },
 }
 
-/// Which pixels belong to the left and which to the right arm.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct SideSplit {
-    left: Mask,
-    right: Mask,
-    /// Middles of both, where they have any pixels.
-    middles: [Option<[f64; 2]>; 2],
-}
-
-impl SideSplit {
-    pub fn new(left: &RleMask, right: &RleMask) -> Self {
-        let (left, right) = (left.decode(), right.decode());
-        let middle =
-            |mask: &Mask| Area::of(mask).map(|a| [a.x0 + a.x1, a.y0 + a.y1].map(|v| f64::from(v) / 2.0));
-        let middles = [middle(&left), middle(&right)];
-        Self { left, right, middles }
-    }
-
-    /// Pixels that neither side claims belong to the nearer one.
-    fn is_right(&self, x: u32, y: u32) -> bool {
-        if self.left.get(x, y) || self.right.get(x, y) {
-            return self.right.get(x, y);
-        }
-        let distance = |to: [f64; 2]| (to[0] - f64::from(x)).hypot(to[1] - f64::from(y));
-        match self.middles {
-            [Some(left), Some(right)] => distance(right) < distance(left),
-            [None, None] => 2 * x > self.left.size().width,
-            [left, _] => left.is_none(),
+impl PartialEq for Colouring {
+    /// A split is compared by who it is: every frame of the window asks, and masks are large.
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::One(one), Self::One(other)) => one == other,
+            (
+                Self::Sides { left, right, split },
+                Self::Sides { left: other_left, right: other_right, split: other },
+            ) => left == other_left && right == other_right && Arc::ptr_eq(split, other),
+            _ => false,
         }
     }
 }
@@ -58,19 +45,24 @@ impl Colouring {
     fn at(&self, x: u32, y: u32) -> Color32 {
         match self {
             Self::One(colour) => *colour,
-            Self::Sides { left, right, split } => {
-                if split.is_right(x, y) {
-                    *right
-                } else {
-                    *left
-                }
-            }
+            Self::Sides { left, right, split } => match split.side(x, y) {
+                Side::Left => *left,
+                Side::Right => *right,
+            },
+        }
+    }
+
+    /// The arm at a pixel, where that is known.
+    fn side_at(&self, x: u32, y: u32) -> Option<Side> {
+        match self {
+            Self::One(_) => None,
+            Self::Sides { split, .. } => Some(split.side(x, y)),
         }
     }
 }
 
 /// How a layer is drawn this time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Look {
     /// Opacity of the fill, 0 to 1.
     pub fill: f32,
@@ -78,6 +70,8 @@ pub(super) struct Look {
     pub line: f32,
     /// Dashed: not to be trusted.
     pub dashed: bool,
+    /// The arm that is worked on: the other one's border is thin.
+    pub arm: Option<Side>,
 }
 
 /// A mask layer.
@@ -202,8 +196,10 @@ impl MaskView {
             painter.image(id, Rect::from_min_max(place(x0, y0), place(x1, y1)), part, tint);
         }
         let styled = self.lines.iter().map(|line| {
-            let colour = self.colouring.at(line.inside[0], line.inside[1]);
-            (line, LineStyle { width: look.line, colour, dashed: look.dashed })
+            let [x, y] = line.inside;
+            let other = look.arm.is_some_and(|arm| self.colouring.side_at(x, y).is_some_and(|at| at != arm));
+            let width = if other { look.line.min(1.0) } else { look.line };
+            (line, LineStyle { width, colour: self.colouring.at(x, y), dashed: look.dashed })
         });
         outlines(painter, projection, styled);
     }

@@ -288,7 +288,7 @@ impl Canvas {
         if let Some((layers, strength)) = composite {
             self.composite.draw(&layers, strength, sharp, scene, cx);
         }
-        let faint = Look { fill: 0.0, line: 1.0, dashed: false };
+        let faint = Look { line: 1.0, ..Look::default() };
         match step {
             Step::Object => self.object.show(scene, cx),
             Step::Masks => self.masks.show(scene, cx, [self.eyes.object, self.eyes.arms]),

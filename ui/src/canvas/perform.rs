@@ -1,6 +1,9 @@
 //! Commands that the canvas carries out.
 
-use agenticfocus::session::{MaskLayer, Step};
+use agenticfocus::{
+    geometry::Side,
+    session::{MaskLayer, Step},
+};
 
 use super::{
     Canvas,
@@ -69,13 +72,19 @@ impl Canvas {
             _ => return false,
         }
         let Some((frame, mask)) = self.masks.whole_mask(cx) else { return true };
-        let mut changed = mask.clone();
+        // Of the arms only the one that is meant.
+        let arm = cx.options.arm();
+        let part = arm.and_then(|side| Some(cx.workspace?.side_split(frame)?.part(&mask, side)));
+        let mut changed = part.clone().unwrap_or_else(|| mask.clone());
         match command {
-            UiCommand::Grow => changed = paint::grow(&mask, cx.options.grow_by),
-            UiCommand::Shrink => changed = paint::shrink(&mask, cx.options.grow_by),
+            UiCommand::Grow => changed = paint::grow(&changed, cx.options.grow_by),
+            UiCommand::Shrink => changed = paint::shrink(&changed, cx.options.grow_by),
             _ => {
                 paint::fill_holes(&mut changed);
             }
+        }
+        if let Some(part) = part {
+            changed = changed.union(&mask.minus(&part));
         }
         if changed != mask {
             cx.ask(Action::ChangeMask { layer: cx.options.mask_layer, frame, mask: changed });
@@ -97,7 +106,9 @@ fn perform_on_tools(canvas: &mut Canvas, command: UiCommand, cx: &mut Context<'_
         UiCommand::Lasso => options.tool = Tool::Lasso,
         UiCommand::PointsTool => options.tool = Tool::Points,
         UiCommand::LayerObject => options.mask_layer = MaskLayer::Object,
-        UiCommand::LayerArms => options.mask_layer = MaskLayer::Arms,
+        UiCommand::LayerLeftArm => (options.mask_layer, options.side) = (MaskLayer::Arms, Side::Left),
+        UiCommand::LayerRightArm => (options.mask_layer, options.side) = (MaskLayer::Arms, Side::Right),
+        UiCommand::HoleOutline => options.hole_outline = !options.hole_outline,
         UiCommand::BrushSmaller | UiCommand::BrushLarger => {
             let radius = options.brush_radius;
             // A quarter, and at least half a pixel.
@@ -123,7 +134,8 @@ fn perform_on_tools(canvas: &mut Canvas, command: UiCommand, cx: &mut Context<'_
             | UiCommand::Lasso
             | UiCommand::PointsTool
             | UiCommand::LayerObject
-            | UiCommand::LayerArms
+            | UiCommand::LayerLeftArm
+            | UiCommand::LayerRightArm
     );
     if switches {
         canvas.masks.cancel();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use agenticfocus::{
-    engine::Layers,
+    engine::{Layers, ModelUse},
     image::{Rgb8, Rgba8},
     inpaint::FrameCoverage,
     session::LayerOrder,
@@ -13,7 +13,10 @@ use egui::{Button, Color32, ColorImage, Rect, RichText, Sense, Slider, Ui, pos2,
 use super::{
     edits::{LayerOrderChange, layer_order_on, with_layer_order, without_layer_order},
     hands::{frames_in_words, frames_meant},
-    parts::{Share, TextureKey, Textures, bar_of_shares, fact, frame_with_cross, hint, section},
+    parts::{
+        Share, TextureKey, Textures, bar_of_shares, fact, frame_with_cross, hint, made_by, model_fault,
+        section,
+    },
 };
 use crate::{
     action::Action,
@@ -208,9 +211,12 @@ fn compare(ui: &mut Ui, cx: &mut Context<'_>) {
 }
 
 fn coverage(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
+    let fault = workspace.found.model_faults.get(&ModelUse::Background);
     let Some(report) = &workspace.found.background else {
-        return hint(ui, cx.tokens, "Not restored yet");
+        hint(ui, cx.tokens, "Not restored yet");
+        return fault.into_iter().for_each(|fault| model_fault(ui, cx.tokens, fault));
     };
+    made_by(ui, cx.tokens, &report.backend, fault);
     if let Some(here) = report.coverage.get(workspace.playhead.as_usize()) {
         row(ui, cx, "This frame", here);
     }

@@ -1,26 +1,38 @@
 //! Masks: what the tools do, how masks spread, and which frames want a look.
 
-use agenticfocus::{clip::FrameIndex, segment::MaskAuthor, session::MaskLayer};
+use agenticfocus::{
+    clip::FrameIndex,
+    engine::ModelUse,
+    geometry::Side,
+    inpaint::InpaintParams,
+    segment::MaskAuthor,
+    session::{Command, MaskLayer},
+};
 use egui::{Checkbox, ProgressBar, RichText, ScrollArea, Ui};
 
 use super::{
-    parts::{choice_button, draft, empty, fact, go_to_frame, hint, section, sign, tool_button, unavailable},
+    parts::{
+        Edit, Parameter, choice_button, draft, empty, fact, go_to_frame, hint, made_by, model_fault, section,
+        sign, tool_button, unavailable,
+    },
     words::{author_of_mask, reasons_of},
 };
 use crate::{
+    action::Action,
     state::{Context, Tool, Work, Workspace},
     ui_command::UiCommand,
     widgets::{Icon, command_button},
 };
 
 pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
-    section(ui, cx, "Target", target);
+    section(ui, cx, "Target", |ui, cx| target(ui, cx, workspace));
     section(ui, cx, "Tool", |ui, cx| {
         ui.add_enabled_ui(workspace.is_writable(), |ui| tools(ui, cx));
     });
     section(ui, cx, "This frame", |ui, cx| this_frame(ui, cx, workspace));
     section(ui, cx, "Propagate", |ui, cx| propagate(ui, cx, workspace));
     section(ui, cx, "Frames that want a look", |ui, cx| problems(ui, cx, workspace));
+    section(ui, cx, "Hole in the background", |ui, cx| hole(ui, cx, workspace));
     section(ui, cx, "View", view);
 }
 
@@ -28,13 +40,32 @@ fn column(ui: &Ui, count: usize) -> f32 {
     (ui.available_width() - ui.spacing().item_spacing.x * (count - 1) as f32) / count as f32
 }
 
-fn target(ui: &mut Ui, cx: &mut Context<'_>) {
-    let width = column(ui, 2);
+fn target(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
+    let width = column(ui, 3);
     ui.horizontal(|ui| {
-        let layer = cx.options.mask_layer;
-        choice_button(ui, cx, UiCommand::LayerObject, "Object", layer == MaskLayer::Object, width);
-        choice_button(ui, cx, UiCommand::LayerArms, "Arms", layer == MaskLayer::Arms, width);
+        let arm = cx.options.arm();
+        choice_button(ui, cx, UiCommand::LayerObject, "Object", arm.is_none(), width);
+        choice_button(ui, cx, UiCommand::LayerLeftArm, "Left arm", arm == Some(Side::Left), width);
+        choice_button(ui, cx, UiCommand::LayerRightArm, "Right arm", arm == Some(Side::Right), width);
     });
+    let found = &workspace.found;
+    match cx.options.mask_layer {
+        MaskLayer::Object => {
+            let fault = found.model_faults.get(&ModelUse::ObjectMasks);
+            match &found.object {
+                Some(track) => made_by(ui, cx.tokens, &track.backend, fault),
+                None => fault.into_iter().for_each(|fault| model_fault(ui, cx.tokens, fault)),
+            }
+        }
+        MaskLayer::Arms => {
+            if let Some(track) = &found.arms {
+                made_by(ui, cx.tokens, &track.union.backend, None);
+            }
+        }
+    }
+    if let Some(fault) = found.model_faults.get(&ModelUse::PointMasks) {
+        model_fault(ui, cx.tokens, fault);
+    }
 }
 
 fn tools(ui: &mut Ui, cx: &mut Context<'_>) {
@@ -198,6 +229,46 @@ fn doubtful(workspace: &Workspace, layer: MaskLayer) -> Vec<FrameIndex> {
         })
     };
     FrameIndex::all(workspace.frame_count()).filter(doubts).collect()
+}
+
+/// How far around the arms the background is restored.
+fn hole(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
+    let Some(size) = workspace.size() else {
+        return hint(ui, cx.tokens, "The clip is still being read");
+    };
+    let width = f64::from(size.width);
+    let kept = workspace.document().hole_dilation;
+    let row = Parameter {
+        name: "Widen",
+        hint: "The arms' masks are widened by this before the background behind them is restored",
+        unit: " px",
+        range: 0.0..=(0.03 * width).round(),
+        limits: 0.0..=(InpaintParams::WIDEST_DILATION * width).floor(),
+        decimals: 0,
+    };
+    let shown = width * cx.options.hole_moving.unwrap_or_else(|| workspace.hole_dilation());
+    let edit =
+        ui.add_enabled_ui(workspace.is_writable(), |ui| row.show(ui, cx.tokens, shown, kept.is_some()));
+    let wanted = match edit.inner {
+        Edit::Preview(pixels) => {
+            cx.options.hole_moving = Some(pixels / width);
+            None
+        }
+        Edit::Keep(pixels) => Some(Some(pixels / width)),
+        Edit::Reset => Some(None),
+        Edit::None if ui.input(|input| input.pointer.any_down()) => None,
+        Edit::None => {
+            cx.options.hole_moving = None;
+            None
+        }
+    };
+    if let Some(wanted) = wanted {
+        cx.options.hole_moving = None;
+        if wanted != kept {
+            cx.ask(Action::Change(Command::SetHoleDilation(wanted)));
+        }
+    }
+    ui.add(Checkbox::new(&mut cx.options.hole_outline, "Outline of the hole"));
 }
 
 fn view(ui: &mut Ui, cx: &mut Context<'_>) {

@@ -1,6 +1,7 @@
 //! Which object the clip is about: the task, proposals as cards, or drawn by hand.
 
 use agenticfocus::{
+    engine::ModelUse,
     geometry::{Pixel, PixelBox, Size},
     image::Rgb8,
     session::{Author, Command, ObjectChoice, ObjectPromptKind, ObjectProposal},
@@ -11,7 +12,7 @@ use egui::{
 
 use super::{
     answer,
-    parts::{TextureKey, Textures, draft, empty, hint, section},
+    parts::{TextureKey, Textures, draft, empty, hint, model_fault, section},
     words::author_of_proposal,
 };
 use crate::{
@@ -54,6 +55,9 @@ impl ObjectInspector {
             match &workspace.draft {
                 Some(points) => draft(ui, cx.tokens, points),
                 None => hint(ui, cx.tokens, "On a frame where all of the object is seen"),
+            }
+            if let Some(fault) = workspace.found.model_faults.get(&ModelUse::PointMasks) {
+                model_fault(ui, cx.tokens, fault);
             }
         });
     }

@@ -8,6 +8,7 @@ mod grow;
 mod holes;
 mod outline;
 mod polygon;
+mod side_split;
 mod stroke;
 
 pub use area::Area;
@@ -15,4 +16,5 @@ pub use grow::{grow, shrink};
 pub use holes::fill_holes;
 pub use outline::{Outline, outline};
 pub use polygon::{fill_box, fill_polygon};
+pub use side_split::SideSplit;
 pub use stroke::stroke;

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use agenticfocus::{
     clip::{ClipInfo, FrameIndex},
     composite::LayerDecision,
-    engine::Finding,
+    engine::{Finding, ModelUse},
     hands::HandTrack,
     inpaint::InpaintReport,
     landmarks::LandmarkTrack,
@@ -40,6 +40,8 @@ pub struct Findings {
     pub motion: Option<Arc<RobotMotion>>,
     /// Layer order a frame.
     pub order: Option<Arc<Vec<LayerDecision>>>,
+    /// Why learned models that are there are done without, a line each.
+    pub model_faults: BTreeMap<ModelUse, String>,
 }
 
 impl Findings {
@@ -63,6 +65,14 @@ impl Findings {
             Finding::Motion(motion) => self.motion = Some(motion),
             Finding::Order(order) => self.order = Some(order),
         }
+    }
+
+    /// Takes what the engine says of a learned model: a fault, or that nothing is wrong.
+    pub fn take_model_fault(&mut self, purpose: ModelUse, fault: Option<String>) {
+        match fault {
+            Some(fault) => self.model_faults.insert(purpose, fault),
+            None => self.model_faults.remove(&purpose),
+        };
     }
 
     /// The machine's object mask on `frame`.

@@ -14,4 +14,4 @@ pub use options::{BeforeAfter, LayerEye, LayerEyes, Options, PlaySpeed, Tool};
 pub use pictures::Pictures;
 pub use queue::Queue;
 pub use step_state::StepState;
-pub use workspace::{Draft, MaskOnFrame, Work, Workspace};
+pub use workspace::{Draft, HandDraft, MaskOnFrame, Work, Workspace};

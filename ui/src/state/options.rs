@@ -133,9 +133,13 @@ pub struct Options {
     pub masks_hidden: bool,
     /// Outlines of the frames before and after.
     pub onion_skin: bool,
+    /// Outline of the hole in which the background is restored.
+    pub hole_outline: bool,
+    /// How far the hole is widened while somebody moves its slider, as a share of the picture's width.
+    pub hole_moving: Option<f64>,
     /// Pixels that grow and shrink move the border by.
     pub grow_by: u32,
-    /// The hand that single-hand commands mean.
+    /// The hand that single-hand commands mean, and the arm whose mask is edited.
     pub side: Side,
     /// Whether the clip plays.
     pub playing: bool,
@@ -159,6 +163,13 @@ pub struct Options {
     pub step: Step,
 }
 
+impl Options {
+    /// The arm whose mask is edited; `None` where the object's is.
+    pub fn arm(&self) -> Option<Side> {
+        (self.mask_layer == MaskLayer::Arms).then_some(self.side)
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {
@@ -172,6 +183,8 @@ impl Default for Options {
             mask_opacity: 0.35,
             masks_hidden: false,
             onion_skin: false,
+            hole_outline: false,
+            hole_moving: None,
             grow_by: 2,
             side: Side::Right,
             playing: false,

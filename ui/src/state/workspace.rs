@@ -5,13 +5,17 @@ use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 use agenticfocus::{
     clip::{FrameIndex, STANDARD_FPS},
     engine::{Access, Opened, Revision, SaveState, WorkFailure},
-    geometry::{Pixel, Size},
+    geometry::{Pixel, Side, Size},
+    hands::HandFrame,
     image::Mask,
+    inpaint::InpaintParams,
+    landmarks::KEYPOINT_COUNT,
     segment::{MaskAuthor, MaskFlag, RleMask},
     session::{Document, History, MaskEdit, MaskId, MaskLayer, ReviewState, Step},
 };
 
 use super::{Findings, StepState};
+use crate::paint::SideSplit;
 
 /// What the engine does for this session.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,8 +51,23 @@ pub struct Draft {
     pub negative: Vec<Pixel>,
     /// The engine's answer.
     pub mask: Option<Arc<RleMask>>,
+    /// Which back end made it, as records name it.
+    pub backend: String,
     /// Why there is none.
     pub fault: Option<String>,
+}
+
+/// A hand fitted to keypoints that are being dragged, on one frame alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HandDraft {
+    /// The frame.
+    pub frame: FrameIndex,
+    /// Which hand.
+    pub side: Side,
+    /// The keypoints it was fitted to.
+    pub keypoints: Box<[Pixel; KEYPOINT_COUNT]>,
+    /// The hand; invalid where nothing fits.
+    pub hand: Box<HandFrame>,
 }
 
 /// A mask as it stands on a frame.
@@ -93,6 +112,8 @@ pub struct Workspace {
     pub playhead: FrameIndex,
     /// Points of a mask or an object that is being made.
     pub draft: Option<Draft>,
+    /// The hand that is being dragged, as the engine fitted it last.
+    pub hand_draft: Option<HandDraft>,
     /// Share of the export that is done, while it runs, and seconds left.
     pub exporting: Option<(f64, Option<f64>)>,
     /// Where the last export went, or why it did not.
@@ -116,6 +137,7 @@ impl Workspace {
             changes_sent: 0,
             playhead: FrameIndex(0),
             draft: None,
+            hand_draft: None,
             exporting: None,
             exported: None,
         }
@@ -178,6 +200,18 @@ impl Workspace {
             score: found.score,
             flags: found.flags.clone(),
         })
+    }
+
+    /// Which pixels of the arms' mask on `frame` are whose; `None` before the arms were found.
+    pub fn side_split(&self, frame: FrameIndex) -> Option<SideSplit> {
+        let arms = self.found.arms.as_ref()?;
+        let at = frame.as_usize();
+        Some(SideSplit::new(arms.sides.left.get(at)?, arms.sides.right.get(at)?))
+    }
+
+    /// How far the hole in the background is widened, as a share of the picture's width.
+    pub fn hole_dilation(&self) -> f64 {
+        self.document().hole_dilation.unwrap_or_else(|| InpaintParams::default().hole_dilation)
     }
 
     /// Pixels of the mask on `frame`, all unset where there is none; `None` until the clip was decoded.

@@ -72,7 +72,9 @@ fn changes(command: UiCommand) -> bool {
     let only_looks = matches!(
         command,
         C::LayerObject
-            | C::LayerArms
+            | C::LayerLeftArm
+            | C::LayerRightArm
+            | C::HoleOutline
             | C::Brush
             | C::Eraser
             | C::SwapBrush

@@ -186,7 +186,7 @@ fn find() -> Findings {
         background: Some(Arc::new(InpaintReport {
             coverage: each(coverage),
             plates: 4,
-            backend: "classical".to_owned(),
+            backend: "temporal-plate".to_owned(),
         })),
         hands: Some(Arc::new(HandTrack {
             hands: PerSide::from_fn(|side| each(|at| hand(side, at))),
@@ -195,6 +195,7 @@ fn find() -> Findings {
         })),
         motion: Some(Arc::new(motion())),
         order: Some(Arc::new(each(order))),
+        model_faults: Default::default(),
     }
 }
 

@@ -1,6 +1,9 @@
 //! Masks: what is said about a frame, propagation. Tools and what they do belong to the canvas.
 
-use agenticfocus::session::{Command, MaskEdit, MaskLayer, MaskReach};
+use agenticfocus::{
+    inpaint::InpaintParams,
+    session::{Command, MaskEdit, MaskLayer, MaskReach},
+};
 
 use super::super::OperatorApp;
 use crate::ui_command::UiCommand as C;
@@ -9,11 +12,13 @@ impl OperatorApp {
     pub(super) fn perform_masks(&mut self, command: C) {
         match command {
             C::Trust => self.trust(),
-            C::Absent => self.set_edit(Some(MaskEdit::Absent)),
+            C::Absent => self.say_absent(),
             C::ForgetMask => self.set_edit(None),
             C::PropagateForward => self.propagate(Some(MaskReach { backward: false, forward: true })),
             C::PropagateBackward => self.propagate(Some(MaskReach { backward: true, forward: false })),
             C::PropagateBoth => self.propagate(None),
+            C::HoleWider => self.widen_hole(1.0),
+            C::HoleNarrower => self.widen_hole(-1.0),
             // The canvas had its chance: nothing is open that could be finished.
             C::FinishShape => self.confirm(),
             _ => {}
@@ -26,6 +31,32 @@ impl OperatorApp {
         let (layer, frame) = (self.options.mask_layer, workspace.playhead);
         let Some(mask) = workspace.mask_pixels(layer, frame) else { return };
         self.change_mask(layer, frame, &mask);
+    }
+
+    /// There is nothing of the object, or of the arm that is meant, on this frame; the other arm stays.
+    fn say_absent(&mut self) {
+        let Some(workspace) = &self.workspace else { return };
+        let frame = workspace.playhead;
+        let others = self.options.arm().and_then(|side| {
+            let mask = workspace.mask_pixels(MaskLayer::Arms, frame)?;
+            let others = mask.minus(&workspace.side_split(frame)?.part(&mask, side));
+            (!others.is_empty()).then_some(others)
+        });
+        match others {
+            Some(others) => self.change_mask(MaskLayer::Arms, frame, &others),
+            None => self.set_edit(Some(MaskEdit::Absent)),
+        }
+    }
+
+    /// Widens the hole in the background by pixels of the clip.
+    fn widen_hole(&mut self, by: f64) {
+        let Some(workspace) = &self.workspace else { return };
+        let Some(size) = workspace.size() else { return };
+        let width = f64::from(size.width);
+        let most = (InpaintParams::WIDEST_DILATION * width).floor();
+        let pixels = ((width * workspace.hole_dilation()).round() + by).clamp(0.0, most);
+        self.options.hole_outline = true;
+        self.change(Command::SetHoleDilation(Some(pixels / width)), Vec::new());
     }
 
     /// Says something about the mask on screen, or takes back what was said.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use agenticfocus::{
     clip::FrameIndex,
+    engine::Request,
     geometry::{Pixel, Side},
     hands::HandState,
     landmarks::{KEYPOINT_COUNT, keypoint},
@@ -19,7 +20,11 @@ use super::{
     },
     held::{Follow, Held},
 };
-use crate::{action::Action, state::Context, theme::Tokens};
+use crate::{
+    action::Action,
+    state::{Context, HandDraft},
+    theme::Tokens,
+};
 
 /// Reach of a joint, points: its hit area is 12 points wide.
 const HIT: f32 = 6.0;
@@ -49,6 +54,8 @@ struct Drag {
 #[derive(Debug, Default)]
 pub(in super::super) struct HandTools {
     drag: Held<Drag>,
+    /// The keypoints that the engine was asked to fit a hand to last.
+    asked: Option<[Pixel; KEYPOINT_COUNT]>,
 }
 
 impl HandTools {
@@ -63,6 +70,7 @@ impl HandTools {
                 hand.keypoints = drag.now;
             }
         }
+        self.ask_for_fit(scene, cx);
         if scene.hidden {
             return;
         }
@@ -72,8 +80,24 @@ impl HandTools {
             let lit = lit.filter(|(side, _)| *side == hand.side).map(|(_, joint)| joint);
             draw_hand(hand, lit, hand.side == cx.options.side, scene, cx.tokens);
         }
+        if let Some(draft) = self.drag.get().and_then(|drag| draft_of(drag, scene)) {
+            draw_fit(draft, scene, cx.tokens);
+        }
         if lit.is_some() && scene.is_writable() {
             scene.painter.ctx().set_cursor_icon(CursorIcon::Grab);
+        }
+    }
+
+    /// The hand in space follows the joint that is dragged, unless it was imported.
+    fn ask_for_fit(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
+        let Some(drag) = self.drag.get().filter(|_| scene.workspace.document().hand_track.is_none()) else {
+            self.asked = None;
+            return;
+        };
+        if drag.now != drag.before && self.asked != Some(drag.now) {
+            self.asked = Some(drag.now);
+            let (frame, side, keypoints) = (scene.frame, drag.side, Box::new(drag.now));
+            cx.ask(Action::Ask(Request::FitHand { frame, side, keypoints }));
         }
     }
 
@@ -128,6 +152,32 @@ impl Follow for Drag {
             }
         }
     }
+}
+
+/// The engine's newest answer for the hand that is dragged.
+fn draft_of<'a>(drag: &Drag, scene: &Scene<'a>) -> Option<&'a HandDraft> {
+    let draft = scene.workspace.hand_draft.as_ref()?;
+    (draft.frame == scene.frame && draft.side == drag.side && drag.now != drag.before).then_some(draft)
+}
+
+/// The hand that the engine fitted to the joints, as it would be seen, with its distance and how far it is off.
+fn draw_fit(draft: &HandDraft, scene: &Scene<'_>, tokens: &Tokens) {
+    let Some(camera) = scene.workspace.found.clip.as_ref().map(|clip| clip.intrinsics) else { return };
+    let seen: Option<Vec<Pixel>> = draft.hand.joints.iter().map(|joint| camera.project(joint)).collect();
+    let wrist = scene.projection.to_screen(draft.keypoints[keypoint::WRIST]);
+    let Some(seen) = seen.filter(|_| draft.hand.is_valid()) else {
+        shapes::badge(&scene.painter, tokens, wrist, "No hand fits these joints", tokens.alarm);
+        return;
+    };
+    let at: Vec<Pos2> = seen.iter().map(|pixel| scene.projection.to_screen(*pixel)).collect();
+    let style = LineStyle { width: 1.5, colour: Color32::WHITE, dashed: true };
+    for joint in 1..KEYPOINT_COUNT {
+        shapes::rimmed_line(&scene.painter, &[at[keypoint::PARENT[joint]], at[joint]], false, style);
+    }
+    let off = seen.iter().zip(draft.keypoints.iter()).map(|(fit, joint)| fit.distance(*joint).powi(2));
+    let off = (off.sum::<f64>() / KEYPOINT_COUNT as f64).sqrt();
+    let text = format!("{:.0} cm away, {off:.1} px off", 100.0 * draft.hand.wrist().xyz.z);
+    shapes::badge(&scene.painter, tokens, wrist + vec2(14.0, 14.0), &text, tokens.side(draft.side));
 }
 
 fn joint_name(joint: usize) -> String {

@@ -14,17 +14,18 @@ use egui::{CursorIcon, Modifiers, PointerButton, Pos2};
 use super::{
     super::{
         input::PointerEvent,
-        mask_view::{Colouring, Look, MaskView, SideSplit},
+        mask_view::{Colouring, Look, MaskView},
         onion::OnionSkin,
         scene::Scene,
         shapes,
     },
+    hole::HoleOutline,
     points::Points,
     shape::{ShapeInProgress, ShapeKind},
 };
 use crate::{
     action::Action,
-    paint,
+    paint::{self, Area, SideSplit},
     state::{Context, Tool},
 };
 
@@ -57,6 +58,7 @@ pub(in super::super) struct MaskTools {
     arms: MaskView,
     draft: MaskView,
     onion: OnionSkin,
+    hole: HoleOutline,
     split: Option<(FrameIndex, usize, Arc<SideSplit>)>,
     edit: Option<Edit>,
     pub points: Option<Points>,
@@ -69,6 +71,7 @@ impl Default for MaskTools {
             arms: MaskView::new("arm mask"),
             draft: MaskView::new("mask from points"),
             onion: OnionSkin::default(),
+            hole: HoleOutline::default(),
             split: None,
             edit: None,
             points: None,
@@ -261,21 +264,36 @@ impl MaskTools {
 
     /// Moves the brush to `pixel`.
     fn dab(&mut self, pixel: Pixel, scene: &Scene<'_>, cx: &Context<'_>) {
-        let Some(Edit { layer, work: Work::Stroke { last, adding, .. }, .. }) = &mut self.edit else {
-            return;
-        };
-        let (layer, from, adding) = (*layer, std::mem::replace(last, pixel), *adding);
-        let radius = f64::from(cx.options.brush_radius);
-        let context = scene.painter.ctx().clone();
-        self.view_mut(layer).change(&context, |mask| paint::stroke(mask, from, pixel, radius, adding));
+        let Some(mut edit) = self.edit.take() else { return };
+        if let Work::Stroke { last, adding, .. } = &mut edit.work {
+            let (from, adding) = (std::mem::replace(last, pixel), *adding);
+            let radius = f64::from(cx.options.brush_radius);
+            let context = scene.painter.ctx().clone();
+            let fence = self.fence(&edit, cx);
+            self.view_mut(edit.layer).change(&context, |mask| {
+                fenced(mask, &edit.before, fence, |mask| paint::stroke(mask, from, pixel, radius, adding))
+            });
+        }
+        self.edit = Some(edit);
+    }
+
+    /// What keeps an edit of one arm from the other; `None` where the object is edited, or nobody knows the arms.
+    fn fence(&self, edit: &Edit, cx: &Context<'_>) -> Option<(Arc<SideSplit>, Side)> {
+        let known = self.split.as_ref().filter(|(frame, ..)| *frame == edit.frame);
+        let split = known.filter(|_| edit.layer == MaskLayer::Arms).map(|(.., split)| Arc::clone(split));
+        Some((split?, cx.options.side))
     }
 
     /// Puts the shape into the mask, if there is one, and keeps the mask.
     fn keep_shape(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
-        if let Some(Edit { layer, work: Work::Shape { shape, .. }, .. }) = &self.edit {
-            let (layer, shape) = (*layer, shape.clone());
-            let context = scene.painter.ctx().clone();
-            self.view_mut(layer).change(&context, |mask| shape.fill(mask));
+        if let Some(edit) = self.edit.take() {
+            if let Work::Shape { shape, .. } = &edit.work {
+                let context = scene.painter.ctx().clone();
+                let fence = self.fence(&edit, cx);
+                let fill = |mask: &mut Mask| fenced(mask, &edit.before, fence, |mask| shape.fill(mask));
+                self.view_mut(edit.layer).change(&context, fill);
+            }
+            self.edit = Some(edit);
         }
         self.keep(cx);
     }
@@ -308,10 +326,16 @@ impl MaskTools {
     /// Closes the polygon or takes the mask that was made from points; false when there was nothing to
     /// finish.
     pub fn finish(&mut self, cx: &mut Context<'_>) -> bool {
-        if let Some(Edit { layer, work: Work::Shape { shape, .. }, .. }) = &self.edit {
-            let (layer, shape) = (*layer, shape.clone());
-            // The texture follows as soon as the session has the mask.
-            self.view_mut(layer).change_unseen(|mask| shape.fill(mask));
+        if matches!(&self.edit, Some(Edit { work: Work::Shape { .. }, .. }))
+            && let Some(edit) = self.edit.take()
+        {
+            if let Work::Shape { shape, .. } = &edit.work {
+                let fence = self.fence(&edit, cx);
+                // The texture follows as soon as the session has the mask.
+                let fill = |mask: &mut Mask| fenced(mask, &edit.before, fence, |mask| shape.fill(mask));
+                self.view_mut(edit.layer).change_unseen(fill);
+            }
+            self.edit = Some(edit);
             self.keep(cx);
             return true;
         }
@@ -353,6 +377,7 @@ impl MaskTools {
                     fill: cx.options.mask_opacity * strength,
                     line: if layer == edited { 2.0 } else { 1.0 },
                     dashed: self.edit.is_none() && on.is_some_and(|(_, score, _)| score < DOUBTFUL),
+                    arm: (edited == MaskLayer::Arms).then_some(cx.options.side),
                 };
                 self.view(layer).draw(&scene.painter, &scene.projection, look);
             }
@@ -364,13 +389,14 @@ impl MaskTools {
             };
             self.onion.draw(scene, edited, colour);
         }
+        self.hole.show(scene, cx);
         self.draw_work(scene, cx);
     }
 
     fn draw_work(&self, scene: &Scene<'_>, cx: &Context<'_>) {
         let colour = cx.tokens.accent;
         if let Some(points) = &self.points {
-            let look = Look { fill: 0.5, line: 2.0, dashed: true };
+            let look = Look { fill: 0.5, line: 2.0, dashed: true, arm: None };
             self.draft.draw(&scene.painter, &scene.projection, look);
             points.draw(scene, cx);
         }
@@ -405,6 +431,20 @@ impl MaskTools {
         let workspace = cx.workspace.filter(|workspace| workspace.is_writable() && self.edit.is_none())?;
         Some((workspace.playhead, workspace.mask_pixels(cx.options.mask_layer, workspace.playhead)?))
     }
+}
+
+/// Changes `mask` by `change`, but for what is taken from the arm beyond the fence.
+fn fenced(
+    mask: &mut Mask,
+    before: &Mask,
+    fence: Option<(Arc<SideSplit>, Side)>,
+    change: impl FnOnce(&mut Mask) -> Option<Area>,
+) -> Option<Area> {
+    let area = change(mask)?;
+    if let Some((split, side)) = fence {
+        split.protect_other(mask, before, area, side);
+    }
+    Some(area)
 }
 
 impl Edit {

@@ -3,6 +3,7 @@
 pub(super) mod composite;
 pub(super) mod hands;
 mod held;
+mod hole;
 pub(super) mod masks;
 pub(super) mod object;
 mod placement;

@@ -154,7 +154,7 @@ impl ObjectTools {
             if let Some(mask) = points.answer(scene).filter(|mask| mask.size() == scene.size()) {
                 let colour = Colouring::One(cx.tokens.object);
                 self.draft.sync(scene.painter.ctx(), scene.frame, &mask, colour);
-                let look = Look { fill: cx.options.mask_opacity, line: 2.0, dashed: true };
+                let look = Look { fill: cx.options.mask_opacity, line: 2.0, dashed: true, arm: None };
                 self.draft.draw(&scene.painter, &scene.projection, look);
             }
             points.draw(scene, cx);

@@ -87,7 +87,7 @@ impl TemplateMaskTool {
         if scene.hidden {
             return true;
         }
-        let look = Look { fill: cx.options.mask_opacity, line: 2.0, dashed: false };
+        let look = Look { fill: cx.options.mask_opacity, line: 2.0, ..Look::default() };
         self.view.draw(&scene.painter, &scene.projection, look);
         if let Some(at) = scene.hover.filter(|_| scene.is_writable()) {
             context.set_cursor_icon(CursorIcon::Crosshair);

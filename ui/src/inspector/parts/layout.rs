@@ -60,6 +60,9 @@ pub(in crate::inspector) fn empty(ui: &mut Ui, tokens: &Tokens, what: &str, then
 pub(in crate::inspector) fn draft(ui: &mut Ui, tokens: &Tokens, draft: &Draft) {
     let (on, beside) = (draft.positive.len(), draft.negative.len());
     hint(ui, tokens, &format!("Points on frame {}: {on} on it, {beside} beside it", draft.frame.0));
+    if draft.mask.is_some() {
+        super::made_by(ui, tokens, &draft.backend, None);
+    }
     if let Some(fault) = &draft.fault {
         sign(ui, tokens, Icon::Warning, tokens.alarm, fault);
     }

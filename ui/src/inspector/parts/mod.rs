@@ -1,5 +1,6 @@
 //! Small pieces that all inspectors are made of.
 
+mod back_end;
 mod button;
 mod fact;
 mod layout;
@@ -7,6 +8,7 @@ mod parameter;
 mod texture;
 mod time_plot;
 
+pub(super) use back_end::{made_by, model_fault};
 pub(super) use button::{
     choice_button, frame_with_cross, go_to_frame, primary_button, small_button, tool_button, unavailable,
 };
