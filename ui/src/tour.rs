@@ -13,6 +13,8 @@ use crate::{app::OperatorApp, state::Work, theme::ThemeChoice};
 
 /// How long pictures and layout may settle before the window is taken.
 const SETTLE: Duration = Duration::from_millis(1500);
+/// How long they are waited for where a message stays.
+const LONGEST: Duration = Duration::from_secs(8);
 /// How long the clip may take to be worked out.
 const PATIENCE: Duration = Duration::from_secs(1800);
 
@@ -67,7 +69,7 @@ impl Tour {
                     _ => self.check_patience(ctx),
                 }
             }
-            Place::Settling(since) if since.elapsed() > SETTLE => {
+            Place::Settling(since) if settled(*since, app) => {
                 let (sender, receiver) = mpsc::channel();
                 ctx.request_screenshot(move |picture| {
                     // Nobody waits any more only when the window closes.
@@ -107,6 +109,11 @@ impl Tour {
         self.fault = fault;
         ctx.send_viewport_cmd(ViewportCommand::Close);
     }
+}
+
+/// Whether the window stands still: pictures are there, and what the engine mentions by the way has gone.
+fn settled(since: Instant, app: &OperatorApp) -> bool {
+    since.elapsed() > SETTLE && (app.messages().is_empty() || since.elapsed() > LONGEST)
 }
 
 fn write_png(path: &Path, picture: &ColorImage) -> std::io::Result<()> {

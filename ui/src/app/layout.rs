@@ -3,12 +3,18 @@
 use egui::{Align2, Area, Frame, Order, Ui, vec2};
 
 use super::OperatorApp;
-use crate::{action::Action, canvas::Canvas, inspector::Inspector, panels::Shell, widgets::icon_button};
+use crate::{
+    action::Action,
+    canvas::Canvas,
+    inspector::Inspector,
+    panels::{Shell, Timeline},
+    widgets::icon_button,
+};
 
 /// Widest message, points.
 const MESSAGE_WIDTH: f32 = 560.0;
-/// Above the timeline and the status bar, points.
-const ABOVE: f32 = 248.0;
+/// Above the timeline, the status bar and the strip with the zoom, points.
+const ABOVE: f32 = Timeline::HEIGHT + 26.0 + 40.0;
 
 impl OperatorApp {
     pub(super) fn lay_out(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {

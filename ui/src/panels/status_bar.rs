@@ -145,6 +145,7 @@ fn keys_of(step: Step) -> &'static [(UiCommand, &'static str)] {
             (C::TemplateHere, "cut here"),
             (C::NudgeLeft, ""),
             (C::NudgeRight, "nudge"),
+            (C::PlacementSmaller, ""),
             (C::PlacementLarger, "scale"),
             (C::Confirm, "confirm"),
         ],

@@ -24,13 +24,12 @@ pub(in crate::inspector) fn model_fault(ui: &mut Ui, tokens: &Tokens, fault: &st
         let mut job = LayoutJob::default();
         text.append_to(&mut job, ui.style(), font, egui::Align::Min);
         job.wrap.max_rows = LINES;
-        job.wrap.break_anywhere = true;
         ui.add(Label::new(job).wrap_mode(TextWrapMode::Wrap)).on_hover_text(fault);
     });
 }
 
 /// A back end's name, as records write it, in words; learned models are called what people call them.
-fn backend_in_words(backend: &str) -> &str {
+pub(in crate::inspector) fn backend_in_words(backend: &str) -> &str {
     match backend {
         "classical" => "flow, colours and cuts",
         "temporal-plate" => "plates of other frames",

@@ -8,7 +8,7 @@ mod parameter;
 mod texture;
 mod time_plot;
 
-pub(super) use back_end::{made_by, model_fault};
+pub(super) use back_end::{backend_in_words, made_by, model_fault};
 pub(super) use button::{
     choice_button, frame_with_cross, go_to_frame, primary_button, small_button, tool_button, unavailable,
 };

@@ -10,6 +10,7 @@ use agenticfocus::{
 use crate::{
     inspector::{
         composite::{coverage_in_words, whole},
+        parts::backend_in_words,
         retarget::followed,
         words::author_of_proposal,
     },
@@ -132,7 +133,7 @@ fn hands(workspace: &Workspace) -> Option<(bool, String)> {
         format!("{} seen {:.0} %, bridged {:.0} %", side.name(), 100.0 * seen, 100.0 * bridged)
     };
     let seen = Side::BOTH.iter().any(|side| share(*side, HandState::Observed) >= 0.5);
-    Some((seen, format!("{}; {}", words(Side::Left), words(Side::Right))))
+    Some((seen, format!("{}\n{}", words(Side::Left), words(Side::Right))))
 }
 
 fn robot(workspace: &Workspace) -> Option<(bool, String)> {
@@ -151,13 +152,15 @@ fn robot(workspace: &Workspace) -> Option<(bool, String)> {
             ));
         }
     }
-    Some(if words.is_empty() { (false, "no hand drives it".to_owned()) } else { (good, words.join("; ")) })
+    Some(if words.is_empty() { (false, "no hand drives it".to_owned()) } else { (good, words.join("\n")) })
 }
 
 fn background(workspace: &Workspace) -> Option<(bool, String)> {
-    let all = whole(&workspace.found.background.as_ref()?.coverage);
+    let report = workspace.found.background.as_ref()?;
+    let all = whole(&report.coverage);
     if all.hole == 0 {
         return Some((true, "nothing had to be restored".to_owned()));
     }
-    Some((all.synthesised <= 0.25, coverage_in_words(&all)))
+    let found = format!("{}\nby {}", coverage_in_words(&all), backend_in_words(&report.backend));
+    Some((all.synthesised <= 0.25, found))
 }

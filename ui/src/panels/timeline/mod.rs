@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// Width of the column with the rows' names, points.
-const GUTTER: f32 = 72.0;
+const GUTTER: f32 = 80.0;
 /// Room right of the last frame, points.
 const RIGHT: f32 = 12.0;
 

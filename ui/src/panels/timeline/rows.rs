@@ -279,7 +279,11 @@ fn order(painter: &Painter, tokens: &Tokens, rows: &Rows, scale: &Scale, place: 
         let galley =
             painter.layout_no_wrap(words.to_owned(), FontId::proportional(Tokens::SMALL), tokens.text);
         if at.x + galley.size().x + 4.0 < rect.right() {
-            painter.galley(at - vec2(0.0, 0.5 * galley.size().y), galley, tokens.text);
+            // Contact rises behind the words: they stand on a ground of their own.
+            let words = Rect::from_min_size(at - vec2(0.0, 0.5 * galley.size().y), galley.size());
+            let ground = words.expand2(vec2(2.0, 0.0)).intersect(rect.shrink(1.0));
+            painter.rect_filled(ground, CornerRadius::same(2), tokens.panel.gamma_multiply(0.8));
+            painter.galley(words.min, galley, tokens.text);
         }
     }
 }
