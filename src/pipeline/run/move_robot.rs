@@ -5,16 +5,17 @@ use std::sync::Arc;
 use super::context::Context;
 use crate::{
     clip::{FrameSource as _, StandardClip},
-    geometry::PerSide,
+    geometry::{PerSide, Pinhole, Side},
     hands::{
-        self, Estimation, FitParams, HandTrack, Surroundings,
+        self, Estimation, FitParams, HandFrame, HandTrack, Surroundings,
         import::{self, ImportParams},
     },
+    landmarks::{HandLandmarks, KEYPOINT_COUNT},
     pipeline::{ClipFailure, ExitCode, Installation, Key, Stage},
     retarget::{self, RetargetParams, RobotMotion},
     robot::RobotModel,
     segment::{RleMask, arms::ArmTrack},
-    session::Document,
+    session::{Document, HandEdit},
     template::TemplateTrack,
 };
 
@@ -48,8 +49,9 @@ pub(super) fn hands(
     keys: [&Key; 3],
 ) -> Result<(Arc<HandTrack>, Key), ClipFailure> {
     if let Some(mut track) = imported {
-        strike_out(&mut track, &context.document);
-        let key = Key::new(Stage::Hands, &keys[..1], &"imported")?;
+        correct(&mut track, &context.document, &clip.info.intrinsics)
+            .map_err(|error| ClipFailure::from_error(&error, ExitCode::Internal).in_stage(Stage::Hands))?;
+        let key = Key::new(Stage::Hands, &keys[..1], &"imported and corrected")?;
         return Ok((Arc::new(track), key));
     }
     let mut params = FitParams::default();
@@ -67,9 +69,62 @@ pub(super) fn hands(
     })
 }
 
+/// An imported track as a person corrected it: sides exchanged, joints moved, hands struck out.
+fn correct(track: &mut HandTrack, document: &Document, camera: &Pinhole) -> Result<(), hands::HandsError> {
+    for range in &document.sides_swapped {
+        let (first, last) = (range.first.as_usize(), range.last.as_usize());
+        let PerSide { left, right } = &mut track.hands;
+        for (left, right) in left.iter_mut().zip(right).take(last.saturating_add(1)).skip(first) {
+            std::mem::swap(left, right);
+        }
+    }
+    for side in Side::BOTH {
+        let length = track.hand_length[side].unwrap_or_else(|| 1e-3 * FitParams::default().hand_length_mm);
+        for (frame, edit) in &document.hand_edits[side] {
+            if let Some(hand) = track.hands[side].get_mut(frame.as_usize()) {
+                move_joints(hand, edit, (side, length, camera))?;
+            }
+        }
+    }
+    strike_out(track, document);
+    Ok(())
+}
+
+/// Fits an imported hand to the joints a person moved, as far away as it was.
+fn move_joints(
+    hand: &mut HandFrame,
+    edit: &HandEdit,
+    (side, length, camera): (Side, f64, &Pinhole),
+) -> Result<(), hands::HandsError> {
+    let known = hand.is_valid() || edit.keypoints.len() == KEYPOINT_COUNT;
+    if edit.invalid || edit.keypoints.is_empty() || !known {
+        return Ok(());
+    }
+    let mut keypoints = hand.keypoints;
+    for (joint, pixel) in &edit.keypoints {
+        if let Some(keypoint) = keypoints.get_mut(usize::from(*joint)) {
+            *keypoint = *pixel;
+        }
+    }
+    let seen = HandLandmarks { keypoints, world: None, confidence: 1.0 };
+    let mut fitted = hands::fit_frame(&seen, side, camera, length, Some(hand))?;
+    if !fitted.is_valid() {
+        return Ok(());
+    }
+    if hand.is_valid() {
+        // Nearer or farther by one factor, every joint is seen where it was.
+        let factor = hand.wrist().xyz.z / fitted.wrist().xyz.z;
+        for joint in &mut fitted.joints {
+            joint.xyz *= factor;
+        }
+    }
+    *hand = fitted;
+    Ok(())
+}
+
 /// Hands a person struck out of an imported track.
 fn strike_out(track: &mut HandTrack, document: &Document) {
-    for side in crate::geometry::Side::BOTH {
+    for side in Side::BOTH {
         for (frame, _) in document.hand_edits[side].iter().filter(|(_, edit)| edit.invalid) {
             if let Some(hand) = track.hands[side].get_mut(frame.as_usize()) {
                 *hand = hands::HandFrame::invalid();
@@ -139,4 +194,64 @@ pub(super) fn robot_identity(installation: &Installation) -> Result<String, Clip
 
 fn identity_of(robot: &RobotModel) -> String {
     blake3::hash(robot.mjcf().as_bytes()).to_hex().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::{
+        clip::FrameIndex,
+        geometry::{Pixel, Position, Size},
+        hands::HandState,
+        landmarks::keypoint::{BASES, PARENT},
+        session::SidesSwapped,
+    };
+
+    fn camera() -> Pinhole {
+        Pinhole { fx: 500.0, fy: 500.0, cx: 320.0, cy: 240.0, size: Size::new(640, 480) }
+    }
+
+    /// A flat hand half a metre away.
+    fn flat(x: f64) -> HandFrame {
+        let mut joints = [Position::new(nalgebra::Vector3::new(x, 0.05, 0.5)); KEYPOINT_COUNT];
+        for (finger, base) in BASES.into_iter().enumerate() {
+            for joint in base..base + 4 {
+                let (along, aside) =
+                    if joint == base { (0.085, 0.022 * (finger as f64 - 2.0)) } else { (0.03, 0.0) };
+                let from = joints[PARENT[joint]].xyz;
+                joints[joint] = Position::new(from + nalgebra::Vector3::new(aside, -along, 0.0));
+            }
+        }
+        let keypoints = joints.map(|joint| camera().project(&joint).unwrap());
+        HandFrame { state: HandState::Observed, confidence: 0.7, keypoints, joints }
+    }
+
+    #[test]
+    fn an_imported_hand_follows_the_joint_a_person_moved_and_stays_as_far_away() {
+        let frames = || vec![flat(0.0), flat(0.02)];
+        let mut track = HandTrack {
+            hands: PerSide { left: frames(), right: vec![HandFrame::invalid(); 2] },
+            hand_length: PerSide { left: Some(0.18), right: None },
+            backend: "imported".to_owned(),
+        };
+        let mut document = Document::default();
+        let wanted = Pixel::new(flat(0.02).keypoints[8].x + 25.0, flat(0.02).keypoints[8].y + 10.0);
+        let edit = HandEdit { keypoints: BTreeMap::from([(8, wanted)]), invalid: false };
+        document.hand_edits.left.insert(FrameIndex(1), edit);
+        correct(&mut track, &document, &camera()).unwrap();
+        assert_eq!(track.hands.left[0], flat(0.0));
+        let moved = &track.hands.left[1];
+        assert_eq!((moved.keypoints[8], moved.confidence > 0.0), (wanted, true));
+        assert!((moved.wrist().xyz.z - 0.5).abs() < 1e-9);
+        let tip = camera().project(&moved.joints[8]).unwrap();
+        assert!(tip.distance(wanted) < flat(0.02).keypoints[8].distance(wanted), "{tip:?}");
+
+        document.hand_edits.left.clear();
+        document.sides_swapped = vec![SidesSwapped { first: FrameIndex(0), last: FrameIndex(0) }];
+        correct(&mut track, &document, &camera()).unwrap();
+        assert!(!track.hands.left[0].is_valid() && track.hands.left[1].is_valid());
+        assert_eq!(track.hands.right[0], flat(0.0));
+    }
 }

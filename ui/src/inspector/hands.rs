@@ -49,10 +49,6 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
                 command_button(ui, cx, UiCommand::ForgetHand);
             });
         });
-        if workspace.document().hand_track.is_some() {
-            let text = "These hands were imported: only \"Invalid hand\" changes them";
-            sign(ui, cx.tokens, Icon::Warning, cx.tokens.alarm, text);
-        }
         swaps(ui, cx, workspace);
         edits(ui, cx, workspace);
     });

@@ -88,9 +88,9 @@ impl HandTools {
         }
     }
 
-    /// The hand in space follows the joint that is dragged, unless it was imported.
+    /// The hand in space follows the joint that is dragged.
     fn ask_for_fit(&mut self, scene: &Scene<'_>, cx: &mut Context<'_>) {
-        let Some(drag) = self.drag.get().filter(|_| scene.workspace.document().hand_track.is_none()) else {
+        let Some(drag) = self.drag.get() else {
             self.asked = None;
             return;
         };
