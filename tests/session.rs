@@ -66,6 +66,15 @@ proptest! {
     }
 
     #[test]
+    fn run_lengths_are_taken_away_pixel_by_pixel((one, other) in (mask_bits(), mask_bits())) {
+        let fitting = Mask::from_fn(one.size(), |x, y| other.get(x % other.size().width, y % other.size().height));
+        let left = RleMask::encode(&one).minus(&RleMask::encode(&fitting));
+        prop_assert_eq!(left, RleMask::encode(&one.minus(&fitting)));
+        let strange = RleMask::empty(Size::new(one.size().width + 1, one.size().height));
+        prop_assert_eq!(RleMask::encode(&one).minus(&strange), RleMask::encode(&one));
+    }
+
+    #[test]
     fn undo_takes_every_command_back_and_redo_does_it_again(commands in prop::collection::vec(command(), 1..12)) {
         let mut history = History::new(Document::default());
         let mut states = vec![history.document().clone()];

@@ -98,6 +98,28 @@ impl RleMask {
         Mask::from_bytes(self.size, data).unwrap_or_else(|| Mask::new(self.size))
     }
 
+    /// What is inside this mask and outside of `other`, which has the same size; all of it where the sizes differ.
+    #[must_use]
+    pub fn minus(&self, other: &Self) -> Self {
+        if self.size != other.size || other.is_empty() {
+            return self.clone();
+        }
+        let (mut mine, mut theirs) = (Runs::of(self), Runs::of(other));
+        let (mut counts, mut run, mut inside) = (Vec::new(), 0_u32, false);
+        while let Some(length) = mine.left().zip(theirs.left()).map(|(a, b)| a.min(b)) {
+            let value = mine.inside && !theirs.inside;
+            if value != inside {
+                counts.push(run);
+                (run, inside) = (0, value);
+            }
+            run += length;
+            mine.advance(length);
+            theirs.advance(length);
+        }
+        counts.push(run);
+        Self { size: self.size, counts }
+    }
+
     /// Width and height.
     pub fn size(&self) -> Size {
         self.size
@@ -116,5 +138,37 @@ impl RleMask {
     /// Whether nothing is inside.
     pub fn is_empty(&self) -> bool {
         self.area() == 0
+    }
+}
+
+/// A walk along the runs of a mask.
+struct Runs<'a> {
+    counts: &'a [u32],
+    walked: u32,
+    inside: bool,
+}
+
+impl<'a> Runs<'a> {
+    fn of(mask: &'a RleMask) -> Self {
+        let mut runs = Self { counts: &mask.counts, walked: 0, inside: false };
+        runs.advance(0);
+        runs
+    }
+
+    /// Pixels to the end of the present run; `None` at the end of the picture.
+    fn left(&self) -> Option<u32> {
+        self.counts.first().map(|count| count - self.walked)
+    }
+
+    /// Walks on by no more than what is left, past empty runs.
+    fn advance(&mut self, length: u32) {
+        self.walked += length;
+        while let Some((count, rest)) = self.counts.split_first()
+            && *count <= self.walked
+        {
+            self.walked -= count;
+            self.counts = rest;
+            self.inside = !self.inside;
+        }
     }
 }

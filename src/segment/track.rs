@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::RleMask;
 use crate::{
     clip::FrameIndex,
-    geometry::{PerSide, Size},
+    geometry::{PerSide, Side, Size},
 };
 
 /// Who made a mask.
@@ -86,4 +86,22 @@ pub struct ArmTrack {
     pub union: MaskTrack,
     /// The union split by side, one a frame; pixels that no known hand claims are in neither.
     pub sides: PerSide<Vec<RleMask>>,
+}
+
+impl ArmTrack {
+    /// The arms without what the object's mask shows of it: where both claim a pixel, the object was told from the arm by
+    /// what is known of it. Masks that a person drew stay as they are.
+    #[must_use]
+    pub fn without(&self, object: &MaskTrack) -> Self {
+        let mut arms = self.clone();
+        for (index, (arm, object)) in arms.union.frames.iter_mut().zip(&object.frames).enumerate() {
+            if arm.author != MaskAuthor::Human {
+                arm.mask = arm.mask.minus(&object.mask);
+                for side in Side::BOTH {
+                    arms.sides[side][index] = arms.sides[side][index].minus(&object.mask);
+                }
+            }
+        }
+        arms
+    }
 }

@@ -2,6 +2,8 @@
 
 const L_BINS: usize = 16;
 const AB_BINS: usize = 32;
+/// Lab levels, cubed, that one bin of a [`ColourModel`] holds.
+pub const COLOUR_BIN_VOLUME: f32 = 16.0 * 3.0 * 3.0;
 
 /// A normalised Lab histogram (16 × 32 × 32 bins; a and b in steps of 3 levels around grey).
 #[derive(Clone, Debug)]

@@ -25,7 +25,7 @@ mod tv_cut;
 pub use align::{AlignChannel, AlignPoint, AlignPrior, Alignment, align};
 pub use box_blur::box_blurred;
 pub use camera_path::CameraPath;
-pub use colour_model::{ColourModel, log_odds};
+pub use colour_model::{COLOUR_BIN_VOLUME, ColourModel, log_odds};
 pub use flow::{Flow, FlowQuality, dense_flow};
 pub use guided::refine_edges;
 pub use histogram::LabHistogram;

@@ -238,6 +238,8 @@ fn understand(
     let (object, object_key) =
         object::object(context, &clip, choice.as_ref(), &seen.landmarks, (&arms, &arms_key))?;
     listener.found(Finding::Object(Arc::clone(&object)));
+    let (arms, arms_key) = object::arms_without(context, (&arms, &arms_key), (&object, &object_key))?;
+    listener.found(Finding::Arms(Arc::clone(&arms)));
     // The background needs nothing of what leads to the robot's motion, and neither fills all cores.
     let context = &*context;
     let (background, moved) = thread::scope(|scope| {

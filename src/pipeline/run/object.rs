@@ -82,6 +82,21 @@ fn object_by_network(
     })
 }
 
+/// The arms without what the object was found to be.
+pub(super) fn arms_without(
+    context: &Context<'_>,
+    arms: (&Arc<ArmTrack>, &Key),
+    object: (&MaskTrack, &Key),
+) -> Result<(Arc<ArmTrack>, Key), ClipFailure> {
+    let key = Key::new(Stage::Object, &[arms.1, object.1], &"arms")?;
+    let kept = context.memory.and_then(|memory| memory.artifact::<ArmTrack>(Stage::Object, &key));
+    let made = kept.unwrap_or_else(|| Arc::new(arms.0.without(object.0)));
+    if let Some(memory) = context.memory {
+        memory.keep(Stage::Object, &key, &made);
+    }
+    Ok((made, key))
+}
+
 /// The mask that a prompt means on its own frame: by a network where one is active.
 fn mask_of_prompt(
     context: &Context<'_>,

@@ -72,6 +72,11 @@ impl Keyframe {
 
     /// The shape carried to another frame by `transform`, drawn on `roi` there, 0 to 1.
     pub fn place(&self, transform: &Matrix3<f64>, roi: &Roi) -> opencv::Result<Plane> {
+        Plane::from_mat(&self.carry(&self.shape.to_mat()?, transform, roi)?)
+    }
+
+    /// A picture of this crop carried to another frame by `transform`, drawn on `roi` there, 0 beside it.
+    pub fn carry(&self, picture: &Mat, transform: &Matrix3<f64>, roi: &Roi) -> opencv::Result<Mat> {
         let shift = |x: f64, y: f64| Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0);
         let full =
             shift(-(roi.x as f64), -(roi.y as f64)) * transform * shift(self.roi.x as f64, self.roi.y as f64);
@@ -80,16 +85,8 @@ impl Keyframe {
         let mut out = Mat::default();
         let size = opencv::core::Size::new(roi.width as i32, roi.height as i32);
         let (linear, zero) = (imgproc::INTER_LINEAR, Scalar::all(0.0));
-        imgproc::warp_perspective(
-            &self.shape.to_mat()?,
-            &mut out,
-            &matrix,
-            size,
-            linear,
-            BORDER_CONSTANT,
-            zero,
-        )?;
-        Plane::from_mat(&out)
+        imgproc::warp_perspective(picture, &mut out, &matrix, size, linear, BORDER_CONSTANT, zero)?;
+        Ok(out)
     }
 
     /// Whether two placements lie within `tolerance` pixels of each other.

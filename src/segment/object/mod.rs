@@ -11,6 +11,7 @@ mod keyframe;
 mod motion;
 mod params;
 mod rating;
+mod recognise;
 mod redetect;
 mod refine;
 mod seed;

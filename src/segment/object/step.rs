@@ -8,6 +8,7 @@ use super::{
     evidence::{Colours, Evidence, learn_surroundings},
     keyframe::{Keyframe, apply, with_growth_within},
     motion::{LocalFlow, fit_similarity},
+    recognise::{Known, recognise},
     redetect::redetect,
     refine::refine,
     shape::{bounds_of, fill_holes, iou, keep_components, signed_distance},
@@ -122,12 +123,15 @@ pub(crate) fn advance(
     let around = |start: &Matrix3<f64>| Roi::around(state.key.bounds(start), margin, view.width, view.height);
     let roi =
         prediction.others.iter().fold(around(&prediction.likely), |roi, other| roi.union(&around(other)));
-    let evidence = Evidence::read(&view, &roi, &state.colours, scene.arm_colours.as_ref());
+    let mut evidence = Evidence::read(&view, &roi, &state.colours, scene.arm_colours.as_ref());
     let free = evidence.free_of_arm(&roi);
     let (transform, agreement) = refine(state, &view, &roi, &evidence, &free, &prediction)?;
     let placed = state.key.place(&transform, &roi)?;
     let placed_bytes: Vec<u8> = placed.data.iter().map(|v| u8::from(*v > 0.5)).collect();
     let distance = signed_distance(&placed_bytes, roi.width, roi.height)?;
+    // How much of it is seen is left to the colours: the motion of what is nearly hidden must not lean on a likeness.
+    let known = Known { key: &state.key, witness: &state.witness, transform: &transform, placed: &placed };
+    recognise(&known, &view, &roi, scene.arm_colours.as_ref(), &mut evidence)?;
     let cut = cut(scene, &view, &roi, &evidence, &distance, agreement)?;
     let expected: Vec<u8> =
         placed_bytes.iter().zip(&free.data).map(|(p, f)| u8::from(*p != 0 && *f > 0.5)).collect();
