@@ -306,6 +306,8 @@ impl Samples {
             })
             .collect();
         let lit = self.agreed(region, &settled, &|settled| settled.lit.is_some())?;
+        let ever_lit =
+            self.agreed(region, &settled, &|settled| settled.lit.is_some() || settled.once.is_some())?;
         let shadowed = self.agreed(region, &settled, &|settled| settled.shadow.is_some())?;
         let mut ratios: [Vec<f32>; 3] = std::array::from_fn(|_| Vec::new());
         let zero = Scalar::all(0.0);
@@ -313,12 +315,15 @@ impl Samples {
         let flags = seen_both.data_typed_mut::<u8>()?;
         let picture = plate.picture.data_typed_mut::<Vec3b>()?;
         let origin = plate.origin.data_typed_mut::<u8>()?;
+        let place = |pixel: u32| {
+            let (x, y) = (pixel as usize % region.width as usize, pixel as usize / region.width as usize);
+            (region.y as usize + y) * columns + region.x as usize + x
+        };
         for (i, pixel) in self.pixels.iter().enumerate() {
             if self.filled[i] == 0 {
                 continue;
             }
-            let (x, y) = (*pixel as usize % region.width as usize, *pixel as usize / region.width as usize);
-            let at = (region.y as usize + y) * columns + region.x as usize + x;
+            let at = place(*pixel);
             let colour = match settled[i].lit {
                 Some(lit_colour) if lit[*pixel as usize] > 0.4 => lit_colour,
                 _ => settled[i].usual,
@@ -334,10 +339,19 @@ impl Samples {
                 flags[at] = 255;
             }
         }
+        let factor = common_factor(ratios, (self.pixels.len() / 200).max(100));
+        for (i, pixel) in self.pixels.iter().enumerate() {
+            if let (Some(factor), Some(once)) = (factor, settled[i].once)
+                && ever_lit[*pixel as usize] > 0.4
+                && is_brighter_within(once, settled[i].usual, factor)
+            {
+                picture[place(*pixel)] = Vec3b::from(once);
+            }
+        }
         // Single lines of pixels are edges that did not register, not shadows.
         let sizeable = super::hole::grown(&plate.view.scale.shrink_mask(&seen_both)?, -1)?;
         both = super::hole::grown(&sizeable, 1)?;
-        Ok((common_factor(ratios, (self.pixels.len() / 200).max(100)), both))
+        Ok((factor, both))
     }
 
     /// Share of pixels around each pixel of the region for which `holds`: a shadow is never one pixel.
@@ -370,6 +384,9 @@ struct Settled {
     usual: [u8; 3],
     /// The brighter state that others show in the same hue, where there is one: no shadow lies on it.
     lit: Option<[u8; 3]>,
+    /// A single brighter sample of the same hue, where there are not more: too little to tell a shadow by, enough where the
+    /// clip's shadows darken as much.
+    once: Option<[u8; 3]>,
     /// By which factors the lit state is brighter than the shadowed one, where both were seen.
     shadow: Option<[f32; 3]>,
 }
@@ -393,6 +410,8 @@ fn common_factor(mut ratios: [Vec<f32>; 3], enough: usize) -> Option<[f32; 3]> {
 
 /// Samples that say what is usual near the key frame's time.
 const USUAL: usize = 7;
+/// By how much a shadow may be deeper than the clip's shadows.
+const SAME_FACTOR: f32 = 0.12;
 /// Largest brightening that a shadow explains.
 const DARKEST_SHADOW: f32 = 3.0;
 
@@ -409,7 +428,9 @@ fn settled(samples: &[[u8; 3]]) -> Settled {
     let usual = mean_near(near, near[near.len() / 2]);
     let lit = lit_state(samples, usual);
     let bright = lit.unwrap_or(usual);
-    Settled { usual, lit, shadow: shadow_factor(samples, bright) }
+    let brighter = || samples.iter().copied().filter(|sample| is_lit_version(*sample, usual));
+    let once = if lit.is_some() { None } else { brighter().max_by_key(luma) };
+    Settled { usual, lit, once, shadow: shadow_factor(samples, bright) }
 }
 
 fn luma(c: &[u8; 3]) -> u32 {
@@ -476,6 +497,12 @@ fn is_lit_version(bright: [u8; 3], dark: [u8; 3]) -> bool {
     bright.iter().zip(dark).all(|(b, d)| (f32::from(*b) - scale * f32::from(d)).abs() <= tolerance)
 }
 
+/// Whether `bright` is `dark` brightened by about `factor` or, as along the edges of shadows, by less.
+fn is_brighter_within(bright: [u8; 3], dark: [u8; 3], factor: [f32; 3]) -> bool {
+    let ratio = |c: usize| f32::from(bright[c]) / f32::from(dark[c]).max(1.0);
+    (0..3).all(|c| ratio(c) < factor[c] * (1.0 + SAME_FACTOR))
+}
+
 /// Takes over what the previous plate knew or made up where no source showed anything.
 fn inherit(
     plate: &mut Plate,
@@ -537,5 +564,16 @@ mod tests {
         let other_hue = [[150, 60, 40], [151, 61, 40]];
         let samples: Vec<[u8; 3]> = shadow.into_iter().chain(other_hue).collect();
         assert_eq!(settled(&samples).lit, None);
+    }
+
+    #[test]
+    fn a_single_lit_sample_counts_where_it_is_brighter_by_no_more_than_the_shadows_of_the_clip() {
+        let shadow = [62, 54, 46];
+        let samples: Vec<[u8; 3]> = std::iter::repeat_n(shadow, 6).chain([[100, 88, 75]]).collect();
+        let settled = settled(&samples);
+        assert_eq!((settled.lit, settled.once), (None, Some([100, 88, 75])));
+        assert!(is_brighter_within([100, 88, 75], shadow, [1.6; 3]), "the shadow itself");
+        assert!(is_brighter_within([80, 70, 60], shadow, [1.6; 3]), "its soft edge");
+        assert!(!is_brighter_within([130, 114, 97], shadow, [1.6; 3]), "a highlight");
     }
 }
