@@ -36,7 +36,7 @@ pub use estimate::{EstimateParams, Estimation, estimate};
 #[cfg(feature = "engine")]
 pub use estimator::{EstimatorCommand, PROTOCOL};
 #[cfg(feature = "engine")]
-pub use fit::{FitParams, FitScore, fit, fit_frame, score_fit};
+pub use fit::{FitParams, FitScore, fit, fit_frame, length_of, score_fit};
 #[cfg(feature = "engine")]
 pub use hidden::{FilledLandmarks, Surroundings, fill_hidden};
 pub use track::{HandFrame, HandState, HandTrack};

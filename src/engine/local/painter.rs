@@ -15,7 +15,7 @@ use crate::{
     composite::Compositor,
     engine::{Event, Layers, OrbitCamera, PictureKind, PictureRequest, Shown},
     geometry::Size,
-    hands::{FitParams, HandFrame, fit_frame},
+    hands::{HandFrame, fit_frame, length_of},
     image::Rgb8,
     landmarks::HandLandmarks,
     pipeline::{FramePixels, compose_frame, layers_of, render_robot, robot_renderer},
@@ -81,8 +81,7 @@ fn scene_of(shared: &Shared) -> Result<Scene, String> {
 fn fitted(shared: &Shared, wish: &HandWish) -> Result<HandFrame, String> {
     let clip = clip_of(shared)?;
     let found = shared.scene().map(|scene| Arc::clone(&scene.found.hands));
-    let length = found.as_ref().and_then(|track| track.hand_length[wish.side]);
-    let length = length.unwrap_or_else(|| 1e-3 * FitParams::default().hand_length_mm);
+    let length = length_of(found.as_deref(), wish.side);
     let before = found.as_ref().and_then(|track| track.hands[wish.side].get(wish.frame.as_usize()));
     let seen = HandLandmarks { keypoints: *wish.keypoints, world: None, confidence: 1.0 };
     fit_frame(&seen, wish.side, &clip.info.intrinsics, length, before).map_err(|error| error.to_string())

@@ -17,7 +17,7 @@ mod start;
 mod terms;
 mod track;
 
-pub use one::fit_frame;
+pub use one::{fit_frame, length_of};
 pub use score::{FitScore, score_fit};
 use serde::{Deserialize, Serialize};
 

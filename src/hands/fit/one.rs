@@ -1,6 +1,7 @@
 //! One hand on one frame alone: what a person sees while they drag a keypoint.
 
 use super::{
+    FitParams,
     kinematics::{HandPose, joints},
     shape::HandShape,
     side::{FittedSide, sight},
@@ -9,7 +10,7 @@ use super::{
 };
 use crate::{
     geometry::{PerSide, Pinhole, Side},
-    hands::{HandFrame, HandsError},
+    hands::{HandFrame, HandTrack, HandsError},
     landmarks::HandLandmarks,
 };
 
@@ -48,6 +49,12 @@ pub fn fit_frame(
     let fitted = FittedSide { shape, poses: vec![pose], sigma: sight.sigma };
     let (mut frames, _) = to_frames(&vec![landmarks], side, pinhole, fitted);
     Ok(frames.pop().unwrap_or_else(HandFrame::invalid))
+}
+
+/// How long a hand is, in metres from wrist to middle tip: as `track` knows it, else as hands usually are.
+pub fn length_of(track: Option<&HandTrack>, side: Side) -> f64 {
+    let known = track.and_then(|track| track.hand_length[side]);
+    known.unwrap_or_else(|| 1e-3 * FitParams::default().hand_length_mm)
 }
 
 /// A cost of this many times the least may be the right one's.

@@ -73,7 +73,8 @@ pub(super) fn landmarks_with_keypoints(mut track: LandmarkTrack, document: &Docu
     track
 }
 
-fn hand_edits(document: &Document) -> impl Iterator<Item = (&FrameIndex, Side, &HandEdit)> {
+/// What a person said of hands, frame by frame.
+pub(super) fn hand_edits(document: &Document) -> impl Iterator<Item = (&FrameIndex, Side, &HandEdit)> {
     Side::BOTH
         .into_iter()
         .flat_map(|side| document.hand_edits[side].iter().map(move |(frame, edit)| (frame, side, edit)))
@@ -88,7 +89,8 @@ fn placed_hand(edit: &HandEdit) -> Option<HandLandmarks> {
     Some(HandLandmarks { keypoints, world: None, confidence: 1.0 })
 }
 
-fn move_keypoints(hand: &mut HandLandmarks, edit: &HandEdit) {
+/// Moves the keypoints that a person dragged.
+pub(super) fn move_keypoints(hand: &mut HandLandmarks, edit: &HandEdit) {
     for (index, pixel) in &edit.keypoints {
         if let Some(keypoint) = hand.keypoints.get_mut(usize::from(*index)) {
             *keypoint = *pixel;

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::context::Context;
+use super::{
+    context::Context,
+    edits::{hand_edits, move_keypoints},
+};
 use crate::{
     clip::{FrameSource as _, StandardClip},
     geometry::{PerSide, Pinhole, Side},
@@ -78,12 +81,10 @@ fn correct(track: &mut HandTrack, document: &Document, camera: &Pinhole) -> Resu
             std::mem::swap(left, right);
         }
     }
-    for side in Side::BOTH {
-        let length = track.hand_length[side].unwrap_or_else(|| 1e-3 * FitParams::default().hand_length_mm);
-        for (frame, edit) in &document.hand_edits[side] {
-            if let Some(hand) = track.hands[side].get_mut(frame.as_usize()) {
-                move_joints(hand, edit, (side, length, camera))?;
-            }
+    for (frame, side, edit) in hand_edits(document) {
+        let length = hands::length_of(Some(track), side);
+        if let Some(hand) = track.hands[side].get_mut(frame.as_usize()) {
+            move_joints(hand, edit, (side, length, camera))?;
         }
     }
     strike_out(track, document);
@@ -100,13 +101,8 @@ fn move_joints(
     if edit.invalid || edit.keypoints.is_empty() || !known {
         return Ok(());
     }
-    let mut keypoints = hand.keypoints;
-    for (joint, pixel) in &edit.keypoints {
-        if let Some(keypoint) = keypoints.get_mut(usize::from(*joint)) {
-            *keypoint = *pixel;
-        }
-    }
-    let seen = HandLandmarks { keypoints, world: None, confidence: 1.0 };
+    let mut seen = HandLandmarks { keypoints: hand.keypoints, world: None, confidence: 1.0 };
+    move_keypoints(&mut seen, edit);
     let mut fitted = hands::fit_frame(&seen, side, camera, length, Some(hand))?;
     if !fitted.is_valid() {
         return Ok(());
@@ -124,11 +120,9 @@ fn move_joints(
 
 /// Hands a person struck out of an imported track.
 fn strike_out(track: &mut HandTrack, document: &Document) {
-    for side in Side::BOTH {
-        for (frame, _) in document.hand_edits[side].iter().filter(|(_, edit)| edit.invalid) {
-            if let Some(hand) = track.hands[side].get_mut(frame.as_usize()) {
-                *hand = hands::HandFrame::invalid();
-            }
+    for (frame, side, _) in hand_edits(document).filter(|(_, _, edit)| edit.invalid) {
+        if let Some(hand) = track.hands[side].get_mut(frame.as_usize()) {
+            *hand = HandFrame::invalid();
         }
     }
 }

@@ -55,12 +55,16 @@ pub(super) fn recognise(
 ) -> opencv::Result<()> {
     let seen = roi.crop(&view.lab, view.width);
     let classes = roi.crop(&view.arms, view.width);
+    let may_be_arm = |at: usize| known.placed.data[at] > 0.5 && classes[at] != arm::NONE;
+    if !(0..roi.area()).any(may_be_arm) {
+        return Ok(());
+    }
     let (squares, noise) = differences(known, &seen, &classes, roi)?;
     // A normal distribution over three Lab values.
     let peak = -1.5 * (2.0 * std::f32::consts::PI).ln() - 3.0 * noise.ln();
     let claims: Vec<f32> = (0..roi.area())
         .map(|at| {
-            if known.placed.data[at] <= 0.5 || classes[at] == arm::NONE {
+            if !may_be_arm(at) {
                 return 0.0;
             }
             let alike = peak - 0.5 * squares.data[at] / (noise * noise);
