@@ -13,7 +13,7 @@ use agenticfocus::{
     geometry::{PerSide, Pinhole, Pose, Position, Side, Size},
     hands::{HandFrame, HandState, HandTrack},
     image::{Mask, Rgb8},
-    retarget::{CameraMap, RobotMotion, SideReport},
+    retarget::{CameraMap, Method, RobotMotion, SideReport},
     robot::JointAngles,
 };
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
@@ -67,6 +67,7 @@ fn motion() -> RobotMotion {
     };
     let angles = |row: usize| JointAngles(std::array::from_fn(|j| (row + j) as f64 * 0.01));
     RobotMotion {
+        method: Method::Ours,
         raw_angles: Vec::new(),
         map,
         alpha: 0.7,

@@ -6,7 +6,7 @@ use std::{fs, path::PathBuf};
 use agenticfocus::{
     clip::{CameraSpec, Rotation},
     pipeline::{ClipJob, jobs_from_inputs},
-    retarget::{Beta, CameraRotation, Smoothing, WristTurn},
+    retarget::{Beta, CameraRotation, Method, Smoothing, WristTurn},
     select::vlm::{Profile, VlmMode},
 };
 
@@ -26,7 +26,7 @@ rotate = 180
 object = { label = "block T", frame = 3, box = [920, 214, 1026, 320] }
 camera = { hfov_deg = 60.0 }
 hands = { track = "hands.npz", length_mm = 180 }
-params = { beta = "fit", alpha = 0.4, T_offset = [0.05, 0.0, 0.43], R_cam = { pitch_deg = 30.0 }, smoothing = "ema", wrist = { right = { yaw_deg = -6.0 } }, hole_dilation = 0.02 }
+params = { method = "masquerade", shared_map = true, beta = "fit", alpha = 0.4, T_offset = [0.05, 0.0, 0.43], R_cam = { pitch_deg = 30.0 }, smoothing = "ema", wrist = { right = { yaw_deg = -6.0 } }, hole_dilation = 0.02 }
 vlm = { mode = "live", model = "some-vlm", profile = "abs-xyxy" }
 start = 1.0
 end = 2.5
@@ -45,6 +45,8 @@ fn every_key_of_the_schema_arrives_in_the_document() {
     assert_eq!((document.clip.start, document.clip.end), (Some(1.0), Some(2.5)));
     assert_eq!(document.camera, CameraSpec::HorizontalFov(60.0));
     assert!(document.hand_track.as_ref().unwrap().ends_with("hands.npz"));
+    assert_eq!(document.retarget.method, Some(Method::Masquerade));
+    assert_eq!(document.retarget.shared_map, Some(true));
     assert_eq!(document.retarget.beta, Some(Beta::Fit));
     assert_eq!(document.retarget.alpha, Some(0.4));
     assert_eq!(document.retarget.hand_length, Some(0.18));
@@ -103,6 +105,7 @@ fn values_that_make_no_sense_are_refused_by_clip() {
         ("camera = { hfov_deg = 200.0 }", "hfov_deg"),
         ("start = 3.0\nend = 2.0", "start"),
         ("params = { alpha = 0.0 }", "alpha"),
+        ("params = { method = \"theirs\" }", "theirs"),
         ("params = { beta = \"big\" }", "beta"),
         ("params = { hole_dilation = 0.2 }", "hole_dilation"),
         ("params = { wrist = { left = { roll_deg = 200.0 } } }", "wrist"),

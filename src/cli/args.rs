@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use super::{models::ModelArguments, vlm::VlmArguments};
-use crate::pipeline::batch::Shard;
+use crate::{pipeline::batch::Shard, retarget::Method};
 
 /// Turns first-person video of human hands into demonstrations for a Unitree G1 with BrainCo hands
 #[derive(Debug, Parser)]
@@ -60,7 +60,9 @@ Manifest (TOML; JSON Lines takes the same keys, one clip a line):
   params = { beta = \"fit\", alpha = 0.5, T_offset = [0.0576, 0.0, 0.4299], R_cam = { pitch_deg = 47.6 } }
                                   also smoothing = \"zero_phase\", \"ema\" or \"none\", and
                                   wrist = { right = { roll_deg = 2.0, pitch_deg = -3.0, yaw_deg = 0.0 } },
-                                  hole_dilation = 0.012 (share of the picture's width, default 0.009)
+                                  hole_dilation = 0.012 (share of the picture's width, default 0.009),
+                                  method = \"ours\", or \"masquerade\" or \"do-as-i-do\" to compare with;
+                                  shared_map = true gives masquerade our camera map
   vlm = { mode = \"live\", model = \"qwen2.5vl:7b\", profile = \"abs-xyxy\" }   each may be left out; not the address
   start = 1.0                     seconds
   end = 9.5
@@ -96,6 +98,10 @@ pub(super) struct BatchArguments {
     /// Write every frame's layers too, without loss, as pictures in layers/
     #[arg(long, requires = "batch")]
     pub(super) layers: bool,
+    /// Retarget every clip by this method, whatever its session or manifest says: ours, masquerade or
+    /// do-as-i-do
+    #[arg(long, value_name = "METHOD", requires = "batch")]
+    pub(super) method: Option<Method>,
     /// Print a JSON summary to standard output
     #[arg(long)]
     pub(super) json: bool,

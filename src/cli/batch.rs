@@ -19,7 +19,10 @@ pub(super) fn run(arguments: &BatchArguments) -> Outcome {
         .ok_or_else(|| Failure::new(ExitCode::Usage, "--batch needs --out DIR; see --help"))?;
     let jobs = jobs_from_inputs(&arguments.batch).map_err(|error| Failure::new(ExitCode::Usage, error))?;
     let shard = arguments.shard.unwrap_or_default();
-    let jobs: Vec<ClipJob> = jobs.into_iter().filter(|job| shard.contains(&job.id)).collect();
+    let mut jobs: Vec<ClipJob> = jobs.into_iter().filter(|job| shard.contains(&job.id)).collect();
+    for job in &mut jobs {
+        job.method = arguments.method;
+    }
     let settings = arguments.vlm.installation().vlm;
     for job in &jobs {
         settings.plan(&job.vlm).map_err(|error| Failure::new(ExitCode::Usage, error))?;

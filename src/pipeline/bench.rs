@@ -126,7 +126,7 @@ pub fn episode_job(episode: &Episode, id: &str) -> Result<ClipJob, bench::BenchE
         points: Vec::new(),
         negative: Vec::new(),
     });
-    Ok(ClipJob { id: id.to_owned(), session: None, document, object, vlm: VlmWish::default() })
+    Ok(ClipJob { id: id.to_owned(), session: None, document, object, vlm: VlmWish::default(), method: None })
 }
 
 struct WorkerRun {

@@ -11,6 +11,7 @@ use super::manifest::{
     Manifest, ManifestClip, ManifestError, ManifestObject, hole_dilation, retarget_settings,
 };
 use crate::{
+    retarget::Method,
     select::vlm::VlmWish,
     session::{ClipReference, Document},
 };
@@ -44,6 +45,20 @@ pub struct ClipJob {
     /// What the manifest says about asking a model for the object.
     #[serde(default)]
     pub vlm: VlmWish,
+    /// A retargeting method for this run, whatever the session says; the session stays as it is.
+    #[serde(default)]
+    pub method: Option<Method>,
+}
+
+impl ClipJob {
+    /// `document` as this run takes it.
+    pub fn taken(&self, document: &Document) -> Document {
+        let mut taken = document.clone();
+        if self.method.is_some() {
+            taken.retarget.method = self.method;
+        }
+        taken
+    }
 }
 
 /// Why inputs were refused before any work began.
@@ -160,6 +175,7 @@ fn session_job(path: &Path) -> ClipJob {
         document,
         object: None,
         vlm: VlmWish::default(),
+        method: None,
     }
 }
 
@@ -167,7 +183,7 @@ fn clip_job(path: &Path) -> ClipJob {
     let id = id_from(path);
     let clip = ClipReference { id: id.clone(), path: absolute(path), ..ClipReference::default() };
     let document = Document { clip, ..Document::default() };
-    ClipJob { id, session: None, document, object: None, vlm: VlmWish::default() }
+    ClipJob { id, session: None, document, object: None, vlm: VlmWish::default(), method: None }
 }
 
 fn manifest_job(manifest: &Path, folder: &Path, clip: &ManifestClip) -> Result<ClipJob, JobError> {
@@ -201,7 +217,7 @@ fn manifest_job(manifest: &Path, folder: &Path, clip: &ManifestClip) -> Result<C
     }
     let object = clip.object.as_ref().map(raw_prompt).transpose().map_err(refuse)?;
     let vlm = clip.vlm.clone().unwrap_or_default();
-    Ok(ClipJob { id: id.clone(), session: None, document, object, vlm })
+    Ok(ClipJob { id: id.clone(), session: None, document, object, vlm, method: None })
 }
 
 fn check_times(clip: &ManifestClip) -> Result<(), String> {

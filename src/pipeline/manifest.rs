@@ -10,7 +10,7 @@ use serde::Deserialize;
 use crate::{
     clip::{CameraSpec, Rotation},
     geometry::PerSide,
-    retarget::{Beta, CameraAngles, CameraRotation, Smoothing, WristTurn},
+    retarget::{Beta, CameraAngles, CameraRotation, Method, Smoothing, WristTurn},
     select::vlm::VlmWish,
     session::RetargetSettings,
 };
@@ -94,10 +94,12 @@ pub struct ManifestHands {
     pub length_mm: Option<f64>,
 }
 
-/// `params = { beta, alpha, smoothing, T_offset, R_cam, wrist, hole_dilation }`.
+/// `params = { method, shared_map, beta, alpha, smoothing, T_offset, R_cam, wrist, hole_dilation }`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ManifestParams {
+    method: Option<Method>,
+    shared_map: Option<bool>,
     beta: Option<ManifestBeta>,
     alpha: Option<f64>,
     smoothing: Option<Smoothing>,
@@ -232,6 +234,8 @@ pub(super) fn hole_dilation(clip: &ManifestClip) -> Option<f64> {
 pub(super) fn retarget_settings(clip: &ManifestClip) -> RetargetSettings {
     let params = clip.params.unwrap_or_default();
     RetargetSettings {
+        method: params.method,
+        shared_map: params.shared_map,
         beta: params.beta.map(|beta| match beta {
             ManifestBeta::Value(value) => Beta::Fixed(value),
             ManifestBeta::Word(Fit::Fit) => Beta::Fit,

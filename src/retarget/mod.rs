@@ -1,7 +1,11 @@
-//! Retargeting: camera-relative map, wrist corrections, inverse kinematics, smoothing, limits.
+//! Retargeting: camera-relative map, wrist corrections, inverse kinematics, smoothing, limits; and published
+//! methods to compare with.
 
+mod method;
 mod motion;
 
+#[cfg(feature = "engine")]
+mod baselines;
 #[cfg(feature = "engine")]
 mod beta;
 mod error;
@@ -14,6 +18,8 @@ mod human;
 #[cfg(feature = "engine")]
 mod mapping;
 mod params;
+#[cfg(feature = "engine")]
+mod report;
 #[cfg(feature = "engine")]
 mod rest;
 #[cfg(feature = "engine")]
@@ -37,6 +43,7 @@ mod wrist;
 #[cfg(feature = "engine")]
 pub use beta::reachable_share_of;
 pub use error::RetargetError;
+pub use method::{Method, UnknownMethod};
 pub use motion::{CameraMap, RobotMotion, SideReport};
 pub use params::{Beta, CameraAngles, CameraRotation, Cutoff, Pinch, RetargetParams, Smoothing, Weights};
 #[cfg(feature = "engine")]

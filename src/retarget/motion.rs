@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::Method;
 use crate::{
     geometry::{PerSide, Pose, Position, Torso},
     robot::JointAngles,
@@ -26,7 +27,8 @@ pub struct CameraMap {
 pub struct SideReport {
     /// Whether a hand drove this side on this frame.
     pub driven: bool,
-    /// The wanted wrist, torso frame (see `DESIGN.md` for the wrist frame).
+    /// The wanted wrist, torso frame (see `DESIGN.md` for the wrist frame): the human's under the motion's map,
+    /// whatever a baseline steered by.
     pub target: Pose<Torso>,
     /// The reached wrist.
     pub reached: Pose<Torso>,
@@ -48,9 +50,12 @@ pub struct SideReport {
 /// The robot over a clip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotMotion {
+    /// The method that made it.
+    #[serde(default)]
+    pub method: Method,
     /// The map that was used (β fitted, if it was to be).
     pub map: CameraMap,
-    /// Smoothing α of `q_t = α q̂_t + (1−α) q_{t−1}` that was used.
+    /// Smoothing α of `q_t = α q̂_t + (1−α) q_{t−1}` that was used; 1 where a baseline smoothed in its own way.
     pub alpha: f64,
     /// One a frame, in order.
     pub angles: Vec<JointAngles>,

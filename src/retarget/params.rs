@@ -3,13 +3,19 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{CameraMap, RetargetError, WristTurn};
+use super::{CameraMap, Method, RetargetError, WristTurn};
 use crate::geometry::PerSide;
 
 /// Parameters of [`super::retarget`]; every field has a default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RetargetParams {
+    /// By which method. A baseline takes R_cam, T_offset and `reach_tolerance` from here, and what steers our
+    /// own method alone (corrections, α, smoothing, weights, pinches, rest) does not touch it.
+    pub method: Method,
+    /// Whether Masquerade works with our camera map and its fitted β instead of its own fixed transform with
+    /// β = 1 (default: no).
+    pub shared_map: bool,
     /// Scale β, or `"fit"`.
     pub beta: Beta,
     /// Share of the frames that a fitted β must bring within reach, 0 to 1.
@@ -41,6 +47,8 @@ pub struct RetargetParams {
 impl Default for RetargetParams {
     fn default() -> Self {
         Self {
+            method: Method::Ours,
+            shared_map: false,
             beta: Beta::Fit,
             beta_reach: 0.95,
             camera: CameraRotation::default(),

@@ -14,7 +14,9 @@ use crate::{
 
 use super::{params::Weights, target::SideTarget};
 
-type Angles = SVector<f64, SIDE_DOF>;
+/// The 13 angles of a side, arm then hand, radians.
+pub(super) type SideAngles = SVector<f64, SIDE_DOF>;
+type Angles = SideAngles;
 type Normal = SMatrix<f64, SIDE_DOF, SIDE_DOF>;
 
 /// The comfortable left arm, radians: elbow low, forearm forward; the right one mirrors it.
@@ -179,16 +181,17 @@ impl<'r> SideSolver<'r> {
 }
 
 /// The rotation vector in torso axes that takes `wanted` to `found`.
-fn rotation_error(wanted: &UnitQuaternion<f64>, found: &UnitQuaternion<f64>) -> Vector3<f64> {
+pub(super) fn rotation_error(wanted: &UnitQuaternion<f64>, found: &UnitQuaternion<f64>) -> Vector3<f64> {
     (found * wanted.inverse()).scaled_axis()
 }
 
 /// Gauss–Newton normal equations.
 #[derive(Clone, Copy, Debug)]
-struct System {
+pub(super) struct System {
     normal: Normal,
-    gradient: Angles,
-    cost: f64,
+    pub gradient: Angles,
+    /// Half the sum of squared residuals.
+    pub cost: f64,
 }
 
 impl Default for System {
@@ -198,13 +201,22 @@ impl Default for System {
 }
 
 impl System {
-    fn add(&mut self, jacobian: &SideJacobian, residual: &Vector3<f64>) {
+    /// A residual with its Jacobian, both weighted.
+    pub fn add(&mut self, jacobian: &SideJacobian, residual: &Vector3<f64>) {
         self.normal += jacobian.transpose() * jacobian;
         self.gradient += jacobian.transpose() * residual;
         self.cost += 0.5 * residual.norm_squared();
     }
 
-    fn pull(&mut self, weight: &Angles, offset: &Angles) {
+    /// Adds `damping` to the diagonal: a penalty on the length of the step, radians.
+    pub fn damp(&mut self, damping: f64) {
+        for joint in 0..SIDE_DOF {
+            self.normal[(joint, joint)] += damping;
+        }
+    }
+
+    /// ½ Σ `weight` · `offset`², where the offset's Jacobian is the identity.
+    pub fn pull(&mut self, weight: &Angles, offset: &Angles) {
         for joint in 0..SIDE_DOF {
             self.normal[(joint, joint)] += weight[joint];
             self.gradient[joint] += weight[joint] * offset[joint];
@@ -215,7 +227,7 @@ impl System {
 
 /// The damped step inside `bounds`: joints that would leave are held at their bound and the others solved
 /// again, until none leaves.
-fn box_step(system: &System, damping: f64, angles: &Angles, bounds: &AngleBox) -> Angles {
+pub(super) fn box_step(system: &System, damping: f64, angles: &Angles, bounds: &AngleBox) -> Angles {
     let mut held: [Option<f64>; SIDE_DOF] = [None; SIDE_DOF];
     for joint in 0..SIDE_DOF {
         // At a bound and pushed outwards: holding it from the start saves a round.

@@ -7,17 +7,19 @@ use crate::{
     geometry::{PerSide, Side},
     hands::HandTrack,
     progress::Watch,
-    robot::{JointAngles, RobotModel, SIDE_DOF, SidePosture},
+    robot::{JointAngles, RobotModel, SIDE_DOF},
 };
 
 use super::{
-    CameraMap, RetargetError, RobotMotion, SideReport,
+    CameraMap, Method, RetargetError, RobotMotion,
+    baselines::{BaselineClip, do_as_i_do, masquerade},
     beta::fit_beta,
     filter::{limit_rate, moving_average, moving_average_zero_phase},
-    grip::{contact, pinch_strengths},
+    grip::pinch_strengths,
     human::HumanPose,
     mapping::SideMap,
     params::{Beta, RetargetParams, Smoothing},
+    report::side_reports,
     rest::{fill_gaps, rest_angles},
     solve::ClipSolver,
     solver::SideSolver,
@@ -35,6 +37,9 @@ type Angles = SVector<f64, SIDE_DOF>;
 /// hand is not valid its arm rests or is on its way, and the side's report says `driven = false`. The map in
 /// the result is the one to render with: an untouched default view is replaced where it leaves the hands out of
 /// reach (a camera opposite the person, say).
+///
+/// `params.method` chooses between our own method and the published baselines; all of the above holds for each,
+/// save that arms of a baseline do what it says where no hand is valid.
 ///
 /// # Errors
 /// When a parameter is out of range, the track's sides differ in length, or the work was cancelled.
@@ -55,22 +60,39 @@ pub fn retarget(
         Beta::Fixed(beta) => beta,
         Beta::Fit => fit_beta(&tracks, robot, params, map),
     };
+    let clip = BaselineClip { hands, robot, params, tracks: &tracks, shared_map: map, watch };
+    Ok(match params.method {
+        Method::Ours => ours(&clip)?,
+        Method::Masquerade => masquerade(&clip)?,
+        Method::DoAsIDo => do_as_i_do(&clip)?,
+    })
+}
+
+/// AgenticFocus itself.
+fn ours(clip: &BaselineClip<'_>) -> Result<RobotMotion, RetargetError> {
+    let BaselineClip { robot, params, tracks, shared_map: map, watch, .. } = *clip;
+    let count = clip.hands.frame_count();
     let mut motion = RobotMotion {
+        method: Method::Ours,
         map,
         alpha: params.alpha,
-        angles: vec![JointAngles::default(); left],
-        raw_angles: vec![JointAngles::default(); left],
+        angles: vec![JointAngles::default(); count],
+        raw_angles: vec![JointAngles::default(); count],
         sides: PerSide { left: Vec::new(), right: Vec::new() },
     };
     for side in Side::BOTH {
         let work = SideWork { robot, side, params, map, track: &tracks[side] };
         let solved = work.solve(watch)?;
-        for frame in 0..left {
+        for frame in 0..count {
             motion.angles[frame].set_side(side, &solved.angles[frame].into());
             motion.raw_angles[frame].set_side(side, &solved.raw[frame].into());
         }
-        motion.sides[side] = work.report(&solved, &motion.angles);
-        watch.advance(left * (side.index() + 1), 2 * left);
+        let tolerance = params.reach_tolerance;
+        motion.sides[side] =
+            side_reports(robot, (side, &tracks[side]), &solved.targets, &motion.angles, |_, error| {
+                error <= tolerance
+            });
+        watch.advance(count * (side.index() + 1), 2 * count);
     }
     Ok(motion)
 }
@@ -166,33 +188,6 @@ impl SideWork<'_> {
                 }
             }
         }
-    }
-
-    fn report(&self, solved: &SolvedSide, angles: &[JointAngles]) -> Vec<SideReport> {
-        let mut posture = SidePosture::default();
-        let limits = self.robot.limits();
-        let arm = JointAngles::arm_start(self.side);
-        let mut reports = Vec::with_capacity(angles.len());
-        for (frame, angles) in angles.iter().enumerate() {
-            self.robot.chain(self.side).pose(&angles.side(self.side), &mut posture);
-            let reached = posture.wrist_pose();
-            let target = solved.targets[frame].map_or(reached, |target| target.wrist);
-            let error_position = reached.position().distance(&target.position());
-            let driven = solved.targets[frame].is_some();
-            let human = self.track.poses[frame].as_ref().zip(self.track.size.as_ref());
-            reports.push(SideReport {
-                driven,
-                target,
-                reached,
-                fingertips: posture.fingertips(),
-                error_position,
-                error_rotation: reached.rotation().angle_to(&target.rotation()),
-                limit_margin: limits.margin(angles, arm..arm + 7),
-                reachable: driven && error_position <= self.params.reach_tolerance,
-                contact: human.map_or(0.0, |(pose, size)| contact(pose, size)),
-            });
-        }
-        reports
     }
 }
 

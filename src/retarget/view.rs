@@ -61,7 +61,7 @@ fn badness(reach: &Reach) -> f64 {
 }
 
 /// The middle between the median wrists of the sides, camera axes, metres.
-fn middle_of_wrists(tracks: &PerSide<HumanTrack>) -> Option<Vector3<f64>> {
+pub(super) fn middle_of_wrists(tracks: &PerSide<HumanTrack>) -> Option<Vector3<f64>> {
     let medians: Vec<Vector3<f64>> = tracks
         .iter()
         .filter(|(_, track)| track.size.is_some())

@@ -4,12 +4,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     geometry::PerSide,
-    retarget::{Beta, CameraRotation, Smoothing, WristTurn},
+    retarget::{Beta, CameraRotation, Method, Smoothing, WristTurn},
 };
 
 /// What retargeting lets a person tune for a clip. `None` leaves the stage's documented default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RetargetSettings {
+    /// By which method (default: ours).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<Method>,
+    /// Whether Masquerade works with our camera map (default: no).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shared_map: Option<bool>,
     /// Scale β (default: fit).
     pub beta: Option<Beta>,
     /// Smoothing α, 0 < α ≤ 1.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use agenticfocus::{
     clip::{CameraSpec, FrameIndex},
     geometry::{PerSide, Pixel, PixelBox, Side},
-    retarget::{Beta, CameraAngles, CameraRotation, Smoothing, WristTurn},
+    retarget::{Beta, CameraAngles, CameraRotation, Method, Smoothing, WristTurn},
     session::{
         Author, Command, Entry, HandEdit, LayerOrder, LayerOrderRange, MaskEdit, MaskId, MaskLayer,
         MaskReach, ObjectAnswer, ObjectPromptKind, ObjectProposal, RetargetSettings, ReviewState, Said,
@@ -130,7 +130,7 @@ fn rotation() -> impl Strategy<Value = CameraRotation> {
 fn retarget() -> impl Strategy<Value = RetargetSettings> {
     let beta = prop_oneof![Just(Beta::Fit), (0.05..5.0_f64).prop_map(Beta::Fixed)];
     (
-        option::of(beta),
+        (option::of(prop::sample::select(Method::ALL.to_vec())), option::of(any::<bool>()), option::of(beta)),
         option::of(0.01..1.0_f64),
         option::of(rotation()),
         option::of(prop::array::uniform3(-10.0..10.0_f64)),
@@ -138,24 +138,26 @@ fn retarget() -> impl Strategy<Value = RetargetSettings> {
         option::of(prop_oneof![Just(Smoothing::None), Just(Smoothing::Ema), Just(Smoothing::ZeroPhase)]),
         option::of((-180.0..180.0_f64, -180.0..180.0_f64, -180.0..180.0_f64)),
     )
-        .prop_map(|(beta, alpha, camera_rotation, offset, hand_length, smoothing, turn)| {
-            RetargetSettings {
-                beta,
-                alpha,
-                smoothing,
-                wrist: PerSide {
-                    left: WristTurn::default(),
-                    right: turn.map_or_else(WristTurn::default, |(roll_deg, pitch_deg, yaw_deg)| WristTurn {
-                        roll_deg,
-                        pitch_deg,
-                        yaw_deg,
-                    }),
-                },
-                camera_rotation,
-                offset,
-                hand_length,
-            }
-        })
+        .prop_map(
+            |((method, shared_map, beta), alpha, camera_rotation, offset, hand_length, smoothing, turn)| {
+                RetargetSettings {
+                    method,
+                    shared_map,
+                    beta,
+                    alpha,
+                    smoothing,
+                    wrist: PerSide {
+                        left: WristTurn::default(),
+                        right: turn.map_or_else(WristTurn::default, |(roll_deg, pitch_deg, yaw_deg)| {
+                            WristTurn { roll_deg, pitch_deg, yaw_deg }
+                        }),
+                    },
+                    camera_rotation,
+                    offset,
+                    hand_length,
+                }
+            },
+        )
 }
 
 fn review() -> impl Strategy<Value = ReviewState> {

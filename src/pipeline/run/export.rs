@@ -147,6 +147,7 @@ fn write_record(folder: &ClipFolder, context: &Context<'_>, parts: &Parts<'_>) -
     let record = Record::from_motion(&parts.motion, &parts.hands, &parts.clip.info, &limits)?;
     record.write_npz(&folder.file("record.npz"))?;
     let parameters = [
+        ("method", serde_json::to_value(parts.motion.method)),
         ("map", serde_json::to_value(parts.motion.map)),
         ("alpha", serde_json::to_value(parts.motion.alpha)),
         ("retarget", serde_json::to_value(context.document.retarget)),

@@ -79,7 +79,7 @@ pub fn understand_clip(
     cancel: &AtomicBool,
 ) -> Result<Understood, ClipFailure> {
     let mut session = prepare::open_session(job, out, listener)?;
-    let mut context = new_context(&session, installation, listener, cancel)?;
+    let mut context = new_context(job, &session, installation, listener, cancel)?;
     understand(job, &mut context, &mut session)
 }
 
@@ -98,7 +98,7 @@ pub fn understand_document(
 ) -> Result<Understood, ClipFailure> {
     let (installation, listener, cancel) = surroundings;
     let mut context = Context {
-        document: document.clone(),
+        document: job.taken(document),
         masks: MaskStore::with_fresh(&folder.join("masks"), memory.masks().clone()),
         cache: Cache::open(&folder.join("cache"))?,
         memory: Some(memory),
@@ -113,13 +113,14 @@ pub fn understand_document(
 }
 
 fn new_context<'a>(
+    job: &ClipJob,
     session: &Session,
     installation: &'a Installation,
     listener: &'a dyn Listener,
     cancel: &'a AtomicBool,
 ) -> Result<Context<'a>, ClipFailure> {
     Ok(Context {
-        document: session.document().clone(),
+        document: job.taken(session.document()),
         masks: session.masks(),
         memory: None,
         cache: Cache::open(&session.folder().join("cache"))?,
@@ -147,13 +148,13 @@ pub fn run_clip(
 ) -> Result<ClipRun, ClipFailure> {
     let mut session = prepare::open_session(job, out, listener)?;
     let inputs = Inputs::read(&session, installation, options, cancel, listener)?;
-    let key = inputs.key(job, session.document(), installation, false)?;
+    let key = inputs.key(job, &job.taken(session.document()), installation, false)?;
     if let ClipState::Done(outcome) = read_outcome(&out.join(&job.id))?
         && outcome.inputs == key.as_str()
     {
         return Ok(ClipRun { outcome, skipped: true });
     }
-    let mut context = new_context(&session, installation, listener, cancel)?;
+    let mut context = new_context(job, &session, installation, listener, cancel)?;
     let outcome = work(job, (out, options), &mut context, &mut session, &inputs)?;
     if session.is_writable() {
         session.save_snapshot()?;

@@ -15,7 +15,7 @@ use crate::{
     },
     landmarks::{HandLandmarks, KEYPOINT_COUNT},
     pipeline::{ClipFailure, ExitCode, Installation, Key, Stage},
-    retarget::{self, RetargetParams, RobotMotion},
+    retarget::{self, Method, RetargetParams, RobotMotion},
     robot::RobotModel,
     segment::{RleMask, arms::ArmTrack},
     session::{Document, HandEdit},
@@ -145,13 +145,22 @@ pub(super) fn retarget(
             retarget::retarget(hands, &robot, &params, watch)
         })?;
     let beta = motion.map.beta;
-    context.listener.note(&format!("retargeted with β = {beta:.3}, α = {:.2}", motion.alpha));
+    context.listener.note(&match motion.method {
+        Method::Ours => format!("retargeted with β = {beta:.3}, α = {:.2}", motion.alpha),
+        method => format!("retargeted as {} does, with β = {beta:.3}", method.title()),
+    });
     Ok((robot, motion))
 }
 
 fn params_of(document: &Document) -> RetargetParams {
     let settings = &document.retarget;
     let mut params = RetargetParams::default();
+    if let Some(method) = settings.method {
+        params.method = method;
+    }
+    if let Some(shared) = settings.shared_map {
+        params.shared_map = shared;
+    }
     if let Some(beta) = settings.beta {
         params.beta = beta;
     }

@@ -9,7 +9,7 @@ use agenticfocus::{
     hands::{HandFrame, HandState, HandTrack},
     inpaint::{FrameCoverage, InpaintReport},
     landmarks::HandLandmarks,
-    retarget::{CameraMap, CameraRotation, RobotMotion, SideReport},
+    retarget::{CameraMap, CameraRotation, Method, RobotMotion, SideReport},
     robot::JointAngles,
     segment::{ArmTrack, MaskAuthor, MaskFlag, MaskFrame, MaskTrack, RleMask},
     template::{Placement, TemplateTrack},
@@ -121,6 +121,7 @@ fn angles(at: u32, jitter: f64) -> JointAngles {
 fn motion() -> RobotMotion {
     let offset = scene::camera().unproject(scene::table_point(), 0.4).xyz;
     RobotMotion {
+        method: Method::Ours,
         map: CameraMap { beta: 0.87, rotation: CameraRotation::default().matrix().unwrap(), offset },
         alpha: 0.5,
         angles: each(|at| angles(at, 0.0)),
