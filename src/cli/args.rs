@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::{models::ModelArguments, vlm::VlmArguments};
 use crate::{pipeline::batch::Shard, retarget::Method};
@@ -45,6 +45,8 @@ Examples:
       A session: every human edit in it is obeyed.
   agenticfocus --batch clips.jsonl --out out --shard 3/16
       The fourth of sixteen shards, chosen by the hash of each clip's id.
+  agenticfocus export --format lerobot-v3 out --out dataset
+      The finished clips of a batch as a LeRobot dataset; more clips are appended by the same line.
 
 Manifest (TOML; JSON Lines takes the same keys, one clip a line):
   [[clip]]
@@ -146,6 +148,12 @@ pub(super) enum Verb {
     },
     /// Score every stage and the whole on synthetic truth, as a table or JSON
     Bench(BenchArguments),
+    /// Turn finished clips into a dataset that trainers load
+    ///
+    /// IN are clips' output folders or whole output folders of batches. The dataset is made where DIR is
+    /// missing and lengthened where it is there; a killed export is started again with the same line.
+    /// Clips that failed are left out, and so are those a person rejected; the closing table names them.
+    Export(ExportArguments),
     /// Check or import a robot description
     Robot {
         #[command(subcommand)]
@@ -193,6 +201,56 @@ pub(super) enum Verb {
         #[arg(long)]
         json: bool,
     },
+}
+
+/// `export`.
+#[derive(Debug, Args)]
+pub(super) struct ExportArguments {
+    /// What the dataset is for
+    #[arg(long, value_enum)]
+    pub(super) format: ExportFormat,
+    /// Folders of finished clips, or output folders of batches
+    #[arg(value_name = "IN", required = true)]
+    pub(super) inputs: Vec<PathBuf>,
+    /// The dataset's folder
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Which thumb motor stands first: bending (the hardware's order), or as xr_teleoperate feeds them
+    #[arg(long, value_enum, default_value = "hardware", value_name = "ORDER")]
+    pub(super) brainco_thumb_order: ExportThumbOrder,
+    /// Take clips that a person rejected, too
+    #[arg(long)]
+    pub(super) include_rejected: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// `export --format`.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum ExportFormat {
+    /// LeRobot v3.0
+    #[value(name = "lerobot-v3")]
+    LerobotV3,
+    /// LeRobot v2.1 with GR00T's meta/modality.json
+    #[value(name = "lerobot-v2.1")]
+    LerobotV21,
+    /// Episodes of Unitree's xr_teleoperate: JPEG pictures and data.json
+    UnitreeJson,
+    /// Masks as COCO annotations with run lengths
+    Coco,
+    /// Masks as DAVIS palette pictures: 1 the object, 2 arms, 3 both
+    Davis,
+}
+
+/// `export --brainco-thumb-order`.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum ExportThumbOrder {
+    /// Thumb bends, ThumbAux swings
+    Hardware,
+    /// Exchanged
+    #[value(name = "unitree_xr")]
+    UnitreeXr,
 }
 
 /// `bench`.

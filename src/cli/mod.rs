@@ -5,6 +5,7 @@ mod batch;
 mod bench;
 mod demo;
 mod doctor;
+mod export;
 mod models;
 mod progress;
 mod robot;
@@ -80,6 +81,7 @@ fn dispatch(arguments: Arguments) -> Outcome {
         Some(Verb::Demo { out, seed, frames }) => demo::run(&out, seed, frames),
         Some(Verb::Synth { episodes, seed, frames, out }) => synth::run(&out, episodes, seed, frames),
         Some(Verb::Bench(arguments)) => bench::run(&arguments),
+        Some(Verb::Export(arguments)) => export::run(&arguments),
         Some(Verb::Robot { verb }) => robot::run(&verb),
         Some(Verb::Ui { input, models }) => ui::run(input.as_deref(), &models),
         Some(Verb::ClipWorker { threads, keep_frames, layers, vlm, models, out }) => {
