@@ -29,6 +29,8 @@ mod scene;
 #[cfg(feature = "engine")]
 mod seam;
 #[cfg(feature = "engine")]
+mod settle;
+#[cfg(feature = "engine")]
 mod shadow;
 #[cfg(feature = "engine")]
 mod survey;

@@ -15,6 +15,7 @@ use super::{
     gather::{Canvas, choose_sources, needed_cells},
     moved::{MovedColours, moved_pieces},
     scene::{Loaded, Scene},
+    settle::{MOST_SAMPLES, Sample, Settled, common_factor, is_brighter_within, settled},
     shadow::{LitGround, far_ground, lift},
     survey::{CELL, Survey},
 };
@@ -86,7 +87,7 @@ pub(super) fn build(
             valid: Mat::roi(&plate.origin, region)?.try_clone()?,
             far: Mat::default(),
         };
-        samples.add(&own)?;
+        samples.add(&own, 0)?;
         let still = plate_still(&plate);
         let mut far = far_ground(&plate.view)?;
         for batch in sources.chunks(4) {
@@ -99,14 +100,14 @@ pub(super) fn build(
                     draw_source(&plate, &source, &guess, &still, region, params)
                 })
                 .collect();
-            for drawn in drawn {
+            for (drawn, source) in drawn.into_iter().zip(batch) {
                 if let Some(drawn) = drawn? {
-                    samples.add(&drawn)?;
+                    samples.add(&drawn, *source as i32 - key as i32)?;
                     opencv::core::bitwise_or_def(&far.clone(), &drawn.far, &mut far)?;
                 }
             }
         }
-        let (shadow, both) = samples.settle(&mut plate)?;
+        let (shadow, both) = samples.settle(&mut plate, params.change_limit)?;
         plate.shadow = shadow.or(previous.and_then(|previous| previous.shadow));
         if let Some(factor) = plate.shadow {
             plate.view = view_of(&plate)?;
@@ -249,7 +250,9 @@ struct Samples {
     /// Indices of those pixels within the region, row after row.
     pixels: Vec<u32>,
     /// `limit` slots a pixel.
-    colours: Vec<[u8; 3]>,
+    colours: Vec<Sample>,
+    /// When each source was, frames after the key frame.
+    times: Vec<i32>,
     filled: Vec<u8>,
     limit: usize,
 }
@@ -262,7 +265,7 @@ impl Samples {
         imgproc::resize(&coarse, &mut needed, plate.picture.size()?, 0.0, 0.0, imgproc::INTER_NEAREST)?;
         let bounds = imgproc::bounding_rect(&needed)?;
         let region = (bounds.width > 0 && bounds.height > 0).then_some(bounds);
-        let limit = params.samples.clamp(1, 15);
+        let limit = params.samples.clamp(1, MOST_SAMPLES);
         let mut pixels = Vec::new();
         if let Some(region) = region {
             let part = Mat::roi(&needed, region)?.try_clone()?;
@@ -274,18 +277,23 @@ impl Samples {
             region,
             needed,
             pixels,
-            colours: vec![[0; 3]; count * limit],
+            colours: vec![Sample::default(); count * limit],
+            times: Vec::new(),
             filled: vec![0; count],
             limit,
         })
     }
 
-    fn add(&mut self, drawn: &Drawn) -> opencv::Result<()> {
+    /// Adds what the frame `time` frames after the key frame shows.
+    fn add(&mut self, drawn: &Drawn, time: i32) -> opencv::Result<()> {
+        // A plate reads `max_sources` frames, far fewer than a byte counts; any more would only be left out.
+        let Ok(source) = u8::try_from(self.times.len()) else { return Ok(()) };
+        self.times.push(time);
         let (colours, valid) = (drawn.picture.data_typed::<Vec3b>()?, drawn.valid.data_typed::<u8>()?);
         for (i, pixel) in self.pixels.iter().enumerate() {
             let filled = self.filled[i] as usize;
             if filled < self.limit && valid[*pixel as usize] != 0 {
-                self.colours[i * self.limit + filled] = colours[*pixel as usize].0;
+                self.colours[i * self.limit + filled] = Sample { colour: colours[*pixel as usize].0, source };
                 self.filled[i] += 1;
             }
         }
@@ -294,7 +302,7 @@ impl Samples {
 
     /// Writes robust colours onto the plate. Returns by which factor lit ground is brighter than shadowed
     /// ground, where enough pixels were seen both ways.
-    fn settle(&self, plate: &mut Plate) -> opencv::Result<(Option<[f32; 3]>, Mat)> {
+    fn settle(&self, plate: &mut Plate, limit: f32) -> opencv::Result<(Option<[f32; 3]>, Mat)> {
         let mut both = Mat::default();
         let Some(region) = self.region else { return Ok((None, both)) };
         let columns = plate.picture.cols() as usize;
@@ -302,7 +310,8 @@ impl Samples {
             .into_par_iter()
             .map(|i| {
                 let start = i * self.limit;
-                settled(&self.colours[start..start + self.filled[i] as usize])
+                let samples = &self.colours[start..start + self.filled[i] as usize];
+                settled(samples, &self.times, limit)
             })
             .collect();
         let lit = self.agreed(region, &settled, &|settled| settled.lit.is_some())?;
@@ -377,132 +386,6 @@ impl Samples {
     }
 }
 
-/// What the samples of one pixel say.
-#[derive(Clone, Copy, Debug, Default)]
-struct Settled {
-    /// What is usual around the key frame's time.
-    usual: [u8; 3],
-    /// The brighter state that others show in the same hue, where there is one: no shadow lies on it.
-    lit: Option<[u8; 3]>,
-    /// A single brighter sample of the same hue, where there are not more: too little to tell a shadow by, enough where the
-    /// clip's shadows darken as much.
-    once: Option<[u8; 3]>,
-    /// By which factors the lit state is brighter than the shadowed one, where both were seen.
-    shadow: Option<[f32; 3]>,
-}
-
-/// The median of factors that are at least `enough` and agree among themselves.
-fn common_factor(mut ratios: [Vec<f32>; 3], enough: usize) -> Option<[f32; 3]> {
-    let mut factor = [0.0; 3];
-    for (factor, ratios) in factor.iter_mut().zip(&mut ratios) {
-        if ratios.len() < enough {
-            return None;
-        }
-        ratios.sort_unstable_by(f32::total_cmp);
-        let at = |share: usize| ratios[(ratios.len() - 1) * share / 4];
-        if at(3) > 1.3 * at(1) {
-            return None;
-        }
-        *factor = at(2);
-    }
-    Some(factor)
-}
-
-/// Samples that say what is usual near the key frame's time.
-const USUAL: usize = 7;
-/// By how much a shadow may be deeper than the clip's shadows.
-const SAME_FACTOR: f32 = 0.12;
-/// Largest brightening that a shadow explains.
-const DARKEST_SHADOW: f32 = 3.0;
-
-/// `samples` nearest in time first.
-fn settled(samples: &[[u8; 3]]) -> Settled {
-    if samples.is_empty() {
-        return Settled::default();
-    }
-    let mut near = [[0_u8; 3]; USUAL];
-    let near = &mut near[..samples.len().min(USUAL)];
-    near.copy_from_slice(&samples[..near.len()]);
-    near.sort_unstable_by_key(luma);
-    // Of two, the brighter: shadows are commoner than highlights.
-    let usual = mean_near(near, near[near.len() / 2]);
-    let lit = lit_state(samples, usual);
-    let bright = lit.unwrap_or(usual);
-    let brighter = || samples.iter().copied().filter(|sample| is_lit_version(*sample, usual));
-    let once = if lit.is_some() { None } else { brighter().max_by_key(luma) };
-    Settled { usual, lit, once, shadow: shadow_factor(samples, bright) }
-}
-
-fn luma(c: &[u8; 3]) -> u32 {
-    2 * u32::from(c[0]) + 5 * u32::from(c[1]) + u32::from(c[2])
-}
-
-/// The mean of those samples that resemble `pivot`.
-fn mean_near(samples: &[[u8; 3]], pivot: [u8; 3]) -> [u8; 3] {
-    let near = samples.iter().filter(|c| c.iter().zip(pivot).all(|(a, b)| a.abs_diff(b) <= 12));
-    let (mut sum, mut count) = ([0_u32; 3], 0_u32);
-    for colour in near {
-        count += 1;
-        for (sum, value) in sum.iter_mut().zip(colour) {
-            *sum += u32::from(*value);
-        }
-    }
-    sum.map(|sum| ((sum + count / 2) / count.max(1)) as u8)
-}
-
-/// A tight group of samples clearly brighter than `usual` and of its hue.
-fn lit_state(samples: &[[u8; 3]], usual: [u8; 3]) -> Option<[u8; 3]> {
-    let mut brighter = [[0_u8; 3]; 16];
-    let mut count = 0;
-    for sample in samples.iter().take(brighter.len()) {
-        if is_lit_version(*sample, usual) {
-            brighter[count] = *sample;
-            count += 1;
-        }
-    }
-    if count < 2 {
-        return None;
-    }
-    let brighter = &mut brighter[..count];
-    brighter.sort_unstable_by_key(luma);
-    let pivot = brighter[(count * 3 / 4).min(count - 1 - usize::from(count > 2))];
-    let alike = brighter.iter().filter(|c| c.iter().zip(pivot).all(|(a, b)| a.abs_diff(b) <= 12)).count();
-    (alike >= 2 && 2 * alike >= count).then(|| mean_near(brighter, pivot))
-}
-
-/// By how much `bright` exceeds a tight group of samples that are the same in shadow.
-fn shadow_factor(samples: &[[u8; 3]], bright: [u8; 3]) -> Option<[f32; 3]> {
-    let mut darker = [[0_u8; 3]; 16];
-    let mut count = 0;
-    for sample in samples.iter().take(darker.len()).filter(|sample| is_lit_version(bright, **sample)) {
-        darker[count] = *sample;
-        count += 1;
-    }
-    let darker = &mut darker[..count];
-    darker.sort_unstable_by_key(luma);
-    let pivot = *darker.get(count / 2)?;
-    let alike = darker.iter().filter(|c| c.iter().zip(pivot).all(|(a, b)| a.abs_diff(b) <= 8)).count();
-    (alike >= 2 && 3 * alike >= 2 * count)
-        .then(|| std::array::from_fn(|c| f32::from(bright[c]) / f32::from(pivot[c]).max(1.0)))
-}
-
-/// Whether `bright` is `dark` with a shadow taken off: all channels brighter by about one factor.
-fn is_lit_version(bright: [u8; 3], dark: [u8; 3]) -> bool {
-    let sum = |c: [u8; 3]| c.iter().map(|v| f32::from(*v)).sum::<f32>();
-    let scale = sum(bright) / sum(dark).max(1.0);
-    if !(1.09..=DARKEST_SHADOW).contains(&scale) || sum(bright) - sum(dark) < 24.0 {
-        return false;
-    }
-    let tolerance = 5.0 + 0.25 * (sum(bright) - sum(dark)) / 3.0;
-    bright.iter().zip(dark).all(|(b, d)| (f32::from(*b) - scale * f32::from(d)).abs() <= tolerance)
-}
-
-/// Whether `bright` is `dark` brightened by about `factor` or, as along the edges of shadows, by less.
-fn is_brighter_within(bright: [u8; 3], dark: [u8; 3], factor: [f32; 3]) -> bool {
-    let ratio = |c: usize| f32::from(bright[c]) / f32::from(dark[c]).max(1.0);
-    (0..3).all(|c| ratio(c) < factor[c] * (1.0 + SAME_FACTOR))
-}
-
 /// Takes over what the previous plate knew or made up where no source showed anything.
 fn inherit(
     plate: &mut Plate,
@@ -542,38 +425,4 @@ fn inherit(
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_frame_with_skin_on_it_does_not_tint_the_plate() {
-        let samples = [[100, 90, 80], [102, 91, 79], [210, 160, 140], [101, 92, 81]];
-        let mean = settled(&samples).usual;
-        assert!(mean[0].abs_diff(101) <= 1 && mean[1].abs_diff(91) <= 1 && mean[2].abs_diff(80) <= 1);
-    }
-
-    #[test]
-    fn a_lit_state_of_the_same_hue_wins_over_a_shadow_that_lasts() {
-        let shadow = [[62, 54, 46]; 6];
-        let lit = [[100, 88, 75], [101, 88, 76]];
-        let samples: Vec<[u8; 3]> = shadow.into_iter().chain(lit).collect();
-        assert_eq!(settled(&samples).lit.map(|c| c[0] / 10), Some(10));
-        let other_hue = [[150, 60, 40], [151, 61, 40]];
-        let samples: Vec<[u8; 3]> = shadow.into_iter().chain(other_hue).collect();
-        assert_eq!(settled(&samples).lit, None);
-    }
-
-    #[test]
-    fn a_single_lit_sample_counts_where_it_is_brighter_by_no_more_than_the_shadows_of_the_clip() {
-        let shadow = [62, 54, 46];
-        let samples: Vec<[u8; 3]> = std::iter::repeat_n(shadow, 6).chain([[100, 88, 75]]).collect();
-        let settled = settled(&samples);
-        assert_eq!((settled.lit, settled.once), (None, Some([100, 88, 75])));
-        assert!(is_brighter_within([100, 88, 75], shadow, [1.6; 3]), "the shadow itself");
-        assert!(is_brighter_within([80, 70, 60], shadow, [1.6; 3]), "its soft edge");
-        assert!(!is_brighter_within([130, 114, 97], shadow, [1.6; 3]), "a highlight");
-    }
 }
