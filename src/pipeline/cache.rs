@@ -11,7 +11,7 @@ use super::Stage;
 use crate::session::write_durably;
 
 /// Counts up when a stage's algorithm changes, so that no artifact of an older program is taken.
-const ALGORITHM_VERSION: u32 = 6;
+const ALGORITHM_VERSION: u32 = 7;
 
 /// The hash of everything that went into an artifact.
 #[derive(Clone, Debug, PartialEq, Eq)]
