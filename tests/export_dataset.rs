@@ -16,14 +16,14 @@ use agenticfocus::{
     export::{
         dataset::{
             ClipFate, DatasetError, DatasetFormat, DatasetOptions, DatasetReport, MOTOR_NAMES, ThumbOrder,
-            counts_from_text, export_dataset,
+            export_dataset,
         },
         read_indexed, video_facts,
     },
     geometry::Size,
     image::Mask,
     progress::Unwatched,
-    segment::RleMask,
+    segment::{RleMask, counts_from_text},
 };
 use finished_clip::{Made, finished, masks};
 use serde_json::{Value, json};

@@ -154,6 +154,8 @@ pub(super) enum Verb {
     /// missing and lengthened where it is there; a killed export is started again with the same line.
     /// Clips that failed are left out, and so are those a person rejected; the closing table names them.
     Export(ExportArguments),
+    /// Make your own masks a person's edits of a session: COCO run lengths or DAVIS palette pictures
+    ImportMasks(ImportMasksArguments),
     /// Check or import a robot description
     Robot {
         #[command(subcommand)]
@@ -251,6 +253,37 @@ pub(super) enum ExportThumbOrder {
     /// Exchanged
     #[value(name = "unitree_xr")]
     UnitreeXr,
+}
+
+/// `import-masks`.
+#[derive(Debug, Args)]
+pub(super) struct ImportMasksArguments {
+    /// The session that is edited; every mask is a step that can be undone
+    #[arg(long, value_name = "SESSION")]
+    pub(super) session: PathBuf,
+    /// A COCO file (.json), or a folder of DAVIS pictures named by frame numbers
+    pub(super) masks: PathBuf,
+    /// What the numbers count: frames of the 30 FPS timeline, as our exports do, or of the source video
+    #[arg(long, value_enum, default_value = "timeline")]
+    pub(super) frames: MaskNumbering,
+    /// Label or category of the object
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) object_label: u32,
+    /// Label or category of hands and arms
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub(super) arms_label: u32,
+    /// Label of pixels that belong to both (3 in our DAVIS exports)
+    #[arg(long, value_name = "N")]
+    pub(super) both_label: Option<u32>,
+}
+
+/// `import-masks --frames`.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum MaskNumbering {
+    /// The 30 FPS timeline
+    Timeline,
+    /// The source video
+    Source,
 }
 
 /// `bench`.

@@ -6,6 +6,7 @@ mod bench;
 mod demo;
 mod doctor;
 mod export;
+mod import_masks;
 mod models;
 mod progress;
 mod robot;
@@ -82,6 +83,7 @@ fn dispatch(arguments: Arguments) -> Outcome {
         Some(Verb::Synth { episodes, seed, frames, out }) => synth::run(&out, episodes, seed, frames),
         Some(Verb::Bench(arguments)) => bench::run(&arguments),
         Some(Verb::Export(arguments)) => export::run(&arguments),
+        Some(Verb::ImportMasks(arguments)) => import_masks::run(&arguments),
         Some(Verb::Robot { verb }) => robot::run(&verb),
         Some(Verb::Ui { input, models }) => ui::run(input.as_deref(), &models),
         Some(Verb::ClipWorker { threads, keep_frames, layers, vlm, models, out }) => {

@@ -10,6 +10,7 @@ mod installation;
 mod job;
 mod learned;
 mod manifest;
+mod mask_import;
 mod memory;
 mod reporter;
 mod run;
@@ -26,6 +27,7 @@ pub use learned::{Findings, ModelOptions, ModelReport};
 pub use manifest::{
     Manifest, ManifestCamera, ManifestClip, ManifestError, ManifestHands, ManifestObject, ManifestParams,
 };
+pub use mask_import::{FrameNumbering, LayerLabels, MaskImportReport, import_masks};
 pub use memory::Memory;
 pub use reporter::Listener;
 pub use run::{

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "engine")]
 pub mod arms;
+mod coco_text;
 #[cfg(feature = "engine")]
 mod error;
 #[cfg(feature = "engine")]
@@ -11,6 +12,7 @@ mod rle;
 pub mod sam2;
 mod track;
 
+pub use coco_text::{CocoTextError, counts_from_text, text_from_counts};
 #[cfg(feature = "engine")]
 pub use error::SegmentError;
 pub use rle::{RleError, RleMask};

@@ -4,8 +4,13 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{DatasetError, clip::FinishedClip, file, text_from_counts};
-use crate::{clip::FrameIndex, export::read_mask, geometry::Size, segment::RleMask};
+use super::{DatasetError, clip::FinishedClip, file};
+use crate::{
+    clip::FrameIndex,
+    export::read_mask,
+    geometry::Size,
+    segment::{RleMask, text_from_counts},
+};
 
 /// The mask layers of a finished clip and their category ids, object first.
 pub(super) const LAYERS: [(&str, u32); 2] = [("object", 1), ("hand", 2)];

@@ -7,7 +7,6 @@
 mod build;
 mod clip;
 mod coco;
-mod coco_rle;
 mod davis;
 mod error;
 mod file;
@@ -24,7 +23,6 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 pub use build::export_dataset;
-pub use coco_rle::{CocoRleError, counts_from_text, text_from_counts};
 pub use error::DatasetError;
 pub use motors::{MOTOR_NAMES, ROBOT_TYPE, ThumbOrder};
 pub use stats::{FeatureStats, Histogram};

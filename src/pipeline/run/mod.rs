@@ -48,6 +48,7 @@ pub(crate) use frame::{FramePixels, compose_frame, layers_of, render_robot, robo
 pub use layers::shown_arms;
 pub(crate) use layers::{Evidence, LayerPlan, layer_evidence, plan_layers};
 pub(crate) use prepare::open_session;
+pub(super) use source::clip_request;
 
 /// What a run of one clip leaves beside its results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

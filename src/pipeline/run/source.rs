@@ -27,7 +27,8 @@ pub(super) fn open_clip(context: &Context<'_>) -> Result<Arc<StandardClip>, Clip
     Ok(clip)
 }
 
-fn clip_request(document: &Document) -> ClipRequest {
+/// What the session says of its clip.
+pub(in crate::pipeline) fn clip_request(document: &Document) -> ClipRequest {
     let clip = &document.clip;
     ClipRequest {
         path: (&clip.path).into(),

@@ -3,7 +3,7 @@
 
 /// Why a text is no run lengths.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CocoRleError {
+pub enum CocoTextError {
     /// A character out of range.
     #[error("character {found:?} at {place}: expected one of '0' to 'o'")]
     Character {
@@ -45,18 +45,18 @@ pub fn text_from_counts(counts: &[u32]) -> String {
 ///
 /// # Errors
 /// When a character is out of range, or a number is cut off, negative or over 32 bits.
-pub fn counts_from_text(text: &str) -> Result<Vec<u32>, CocoRleError> {
+pub fn counts_from_text(text: &str) -> Result<Vec<u32>, CocoTextError> {
     let mut counts: Vec<u32> = Vec::new();
     let mut bytes = text.bytes().enumerate().peekable();
     while bytes.peek().is_some() {
         let run = counts.len();
         let (mut value, mut shift) = (0_i64, 0_u32);
         loop {
-            let (place, found) = bytes.next().ok_or(CocoRleError::Run { run })?;
+            let (place, found) = bytes.next().ok_or(CocoTextError::Run { run })?;
             let bits = found.checked_sub(b'0').filter(|bits| *bits < 64);
-            let bits = bits.ok_or(CocoRleError::Character { place, found })?;
+            let bits = bits.ok_or(CocoTextError::Character { place, found })?;
             if shift > 35 {
-                return Err(CocoRleError::Run { run });
+                return Err(CocoTextError::Run { run });
             }
             value |= i64::from(bits & 0x1f) << shift;
             shift += 5;
@@ -70,7 +70,7 @@ pub fn counts_from_text(text: &str) -> Result<Vec<u32>, CocoRleError> {
         if run > 2 {
             value += i64::from(counts[run - 2]);
         }
-        counts.push(u32::try_from(value).map_err(|_| CocoRleError::Run { run })?);
+        counts.push(u32::try_from(value).map_err(|_| CocoTextError::Run { run })?);
     }
     Ok(counts)
 }
@@ -91,10 +91,10 @@ mod tests {
 
     #[test]
     fn damaged_texts_are_refused() {
-        assert!(matches!(counts_from_text("5~"), Err(CocoRleError::Character { place: 1, .. })));
-        assert!(matches!(counts_from_text("o"), Err(CocoRleError::Run { run: 0 })));
-        assert!(matches!(counts_from_text("oooooooooooo0"), Err(CocoRleError::Run { .. })));
-        assert!(matches!(counts_from_text("O"), Err(CocoRleError::Run { run: 0 })), "negative");
+        assert!(matches!(counts_from_text("5~"), Err(CocoTextError::Character { place: 1, .. })));
+        assert!(matches!(counts_from_text("o"), Err(CocoTextError::Run { run: 0 })));
+        assert!(matches!(counts_from_text("oooooooooooo0"), Err(CocoTextError::Run { .. })));
+        assert!(matches!(counts_from_text("O"), Err(CocoTextError::Run { run: 0 })), "negative");
     }
 
     proptest! {
