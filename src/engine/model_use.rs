@@ -9,6 +9,10 @@ pub enum ModelUse {
     PointMasks,
     /// The background without the human.
     Background,
+    /// Background that no frame shows.
+    UnseenBackground,
+    /// Hands and their poses.
+    Hands,
 }
 
 impl ModelUse {
@@ -18,6 +22,8 @@ impl ModelUse {
             Self::ObjectMasks => "object masks without a network",
             Self::PointMasks => "the prompt's mask without a network",
             Self::Background => "background from plates",
+            Self::UnseenBackground => "unseen background filled smoothly",
+            Self::Hands => "hands from the estimator",
         }
     }
 }

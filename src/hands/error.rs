@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::{clip::FrameError, progress::Cancelled};
+use crate::{clip::FrameError, onnx::OnnxError, progress::Cancelled};
 
 /// Why there is no hand track.
 #[derive(Debug, thiserror::Error)]
@@ -71,6 +71,9 @@ pub enum HandsError {
         /// What is accepted.
         expected: &'static str,
     },
+    /// The hand network failed.
+    #[error("the hand network failed: {0}")]
+    Network(#[from] OnnxError),
     /// A frame of the clip could not be read.
     #[error(transparent)]
     Frame(#[from] FrameError),
@@ -80,4 +83,11 @@ pub enum HandsError {
     /// Nobody wants the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl HandsError {
+    /// What the network broke down on, where it was the network.
+    pub fn of_model(&self) -> Option<&OnnxError> {
+        if let Self::Network(error) = self { Some(error) } else { None }
+    }
 }

@@ -8,9 +8,9 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{HandState, HandTrack};
+use super::{HandFrame, HandState, HandTrack, HandsError, fit_frame, length_of};
 use crate::{
-    geometry::{PerSide, Pixel, Side},
+    geometry::{PerSide, Pinhole, Pixel, Side},
     landmarks::{HandLandmarks, KEYPOINT_COUNT, LandmarkTrack},
 };
 
@@ -81,6 +81,40 @@ pub fn fill_hidden(landmarks: &LandmarkTrack, around: &Surroundings) -> FilledLa
 }
 
 impl FilledLandmarks {
+    /// Puts the hands that were filled in into a `track` that was not fitted to the landmarks: each fitted by itself with
+    /// the hand's length, as far away as the hands seen before and after say.
+    ///
+    /// # Errors
+    /// When OpenCV fails.
+    pub fn complete(&self, track: &mut HandTrack, camera: &Pinhole) -> Result<(), HandsError> {
+        for side in Side::BOTH {
+            let length = length_of(Some(track), side);
+            let hands = &mut track.hands[side];
+            for frame in 0..hands.len().min(self.landmarks.len()) {
+                let filled = self.filled[side].get(frame).copied().unwrap_or(false);
+                let Some(seen) = self.landmarks[frame][side].as_ref().filter(|_| filled) else { continue };
+                if hands[frame].is_valid() {
+                    continue;
+                }
+                let known = |at: usize| hands[at].is_valid().then(|| (at, hands[at].wrist().xyz.z));
+                let before = (0..frame).rev().find_map(known);
+                let after = (frame + 1..hands.len()).find_map(known);
+                let (Some((from, near)), Some((to, far))) = (before, after) else { continue };
+                let mut fitted = fit_frame(seen, side, camera, length, Some(&hands[from]))?;
+                if !fitted.is_valid() {
+                    continue;
+                }
+                let wanted = near + (far - near) * (frame - from) as f64 / (to - from) as f64;
+                let factor = wanted / fitted.wrist().xyz.z;
+                for joint in &mut fitted.joints {
+                    joint.xyz *= factor;
+                }
+                hands[frame] = HandFrame { state: HandState::Bridged, ..fitted };
+            }
+        }
+        Ok(())
+    }
+
     /// Marks the frames that were filled in as bridged in the `track` fitted to the landmarks.
     pub fn mark(&self, track: &mut HandTrack) {
         for side in Side::BOTH {

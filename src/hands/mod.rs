@@ -1,7 +1,7 @@
 //! 21-joint tracks of both hands.
 //!
 //! [`estimate`] asks an external estimator for image landmarks and keeps left and right apart;
-//! [`fit`](fn@fit) turns them into metric hands in the camera frame.
+//! [`fit`](fn@fit) turns them into metric hands in the camera frame. [`network`] finds metric hands by itself.
 
 #[cfg(feature = "engine")]
 mod detection;
@@ -17,6 +17,8 @@ mod fit;
 mod hidden;
 #[cfg(feature = "engine")]
 pub mod import;
+#[cfg(feature = "engine")]
+pub mod network;
 #[cfg(feature = "engine")]
 mod outliers;
 #[cfg(feature = "engine")]
@@ -39,4 +41,4 @@ pub use estimator::{EstimatorCommand, PROTOCOL};
 pub use fit::{FitParams, FitScore, fit, fit_frame, length_of, score_fit};
 #[cfg(feature = "engine")]
 pub use hidden::{FilledLandmarks, Surroundings, fill_hidden};
-pub use track::{HandFrame, HandState, HandTrack};
+pub use track::{HandFrame, HandState, HandTrack, ManoHand};

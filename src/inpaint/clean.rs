@@ -13,6 +13,7 @@ use super::{
     cast::{Ground, Shadow, cast_shadow},
     fill::grown_rect,
     moved::{MovedColours, differs, moved_pieces},
+    network::ImageNetwork,
     plate::{self, Plate, SEEN, SYNTHESISED, close_offset, take_out_pieces, with_offset},
     scene::{Loaded, Scene},
     seam::{laid_in, seam},
@@ -50,6 +51,22 @@ pub fn clean(
     sink: &mut dyn FnMut(FrameIndex, &Rgb8) -> Result<(), SinkError>,
     watch: &dyn Watch,
 ) -> Result<InpaintReport, InpaintError> {
+    clean_with(frames, (arms, object), template_region, params, None, sink, watch)
+}
+
+/// As [`clean`]; what no frame saw is made up by a network where one is given.
+///
+/// # Errors
+/// As [`clean`], and when the network fails.
+pub fn clean_with(
+    frames: &dyn FrameSource,
+    (arms, object): (&MaskTrack, &MaskTrack),
+    template_region: Option<&[RleMask]>,
+    params: &InpaintParams,
+    mut unseen: Option<&mut ImageNetwork>,
+    sink: &mut dyn FnMut(FrameIndex, &Rgb8) -> Result<(), SinkError>,
+    watch: &dyn Watch,
+) -> Result<InpaintReport, InpaintError> {
     single_threaded();
     let scene = Scene::new(frames, arms, object, params)?;
     let count = scene.frame_count();
@@ -67,12 +84,16 @@ pub fn clean(
     let survey = Survey::new(&scene, watch)?;
     let services = services(&survey, params);
     let mut coverage = Vec::with_capacity(count);
-    let make = |number: usize, previous: Option<&Plate>| -> Result<Option<Plate>, InpaintError> {
+    let backend = match &unseen {
+        Some(network) => format!("temporal-plate, unseen by {}", network.name()),
+        None => "temporal-plate".to_owned(),
+    };
+    let mut make = |number: usize, previous: Option<&Plate>| -> Result<Option<Plate>, InpaintError> {
         let Some(service) = services.get(number) else { return Ok(None) };
         let fade = params.handover as usize;
         let frames = service.start.saturating_sub(fade)..(service.end + fade).min(count);
         let key = (service.start + service.end - 1) / 2;
-        plate::build(&scene, &survey, key, frames, previous).map(Some)
+        plate::build(&scene, &survey, key, frames, previous, unseen.as_deref_mut()).map(Some)
     };
     let mut previous: Option<Plate> = None;
     let mut current = make(0, None)?;
@@ -100,7 +121,7 @@ pub fn clean(
         }
         previous = std::mem::replace(&mut current, next);
     }
-    Ok(InpaintReport { coverage, plates: services.len(), backend: "temporal-plate".to_owned() })
+    Ok(InpaintReport { coverage, plates: services.len(), backend })
 }
 
 const CHUNK: usize = 8;

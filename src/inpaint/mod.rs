@@ -3,8 +3,8 @@
 //! The hole is `M_hand ∩ ¬M_obj`, widened but never into the object. Key frames get a *plate*: the
 //! picture with hand and object taken out and replaced by aligned samples of the frames nearest in
 //! time that saw that place. Every frame then draws its hole from the two plates around it, cross-faded
-//! in time, so that nothing flickers. What no frame saw is synthesised once on a plate and handed on
-//! from plate to plate. Beside the hole the shadow of hand and arm is taken out with them.
+//! in time, so that nothing flickers. What no frame saw is synthesised once on a plate, by a network
+//! where one is at hand, and handed on from plate to plate. Beside the hole the shadow of hand and arm is taken out with them.
 
 #[cfg(feature = "engine")]
 mod cast;
@@ -20,6 +20,8 @@ mod gather;
 mod hole;
 #[cfg(feature = "engine")]
 mod moved;
+#[cfg(feature = "engine")]
+pub mod network;
 mod params;
 #[cfg(feature = "engine")]
 mod plate;
@@ -38,7 +40,7 @@ mod survey;
 pub mod video;
 
 #[cfg(feature = "engine")]
-pub use clean::{SinkError, clean};
+pub use clean::{SinkError, clean, clean_with};
 #[cfg(feature = "engine")]
 pub use error::InpaintError;
 #[cfg(feature = "engine")]

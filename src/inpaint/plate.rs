@@ -14,6 +14,7 @@ use super::{
     InpaintError, InpaintParams, fill,
     gather::{Canvas, choose_sources, needed_cells},
     moved::{MovedColours, moved_pieces},
+    network::{ImageNetwork, fill_by_network},
     scene::{Loaded, Scene},
     settle::{MOST_SAMPLES, Sample, Settled, common_factor, is_brighter_within, settled},
     shadow::{LitGround, far_ground, lift},
@@ -65,13 +66,15 @@ pub(super) fn shift(x: f64, y: f64) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0)
 }
 
-/// Builds the plate of `key` for the holes of `frames`; `previous` hands on what it made up.
+/// Builds the plate of `key` for the holes of `frames`; `previous` hands on what it made up, `unseen` makes up what is
+/// left, where it is given.
 pub(super) fn build(
     scene: &Scene<'_>,
     survey: &Survey,
     key: usize,
     frames: std::ops::Range<usize>,
     previous: Option<&Plate>,
+    unseen: Option<&mut ImageNetwork>,
 ) -> Result<Plate, InpaintError> {
     let params = scene.params;
     let canvas = Canvas::new(survey, params.margin);
@@ -114,6 +117,9 @@ pub(super) fn build(
             lift(&mut plate, &LitGround { far, both }, factor)?;
         }
         inherit(&mut plate, previous, survey, &samples, region, params)?;
+        if let Some(network) = unseen {
+            fill_by_network(&mut plate.picture, &mut plate.origin, &samples.needed, network)?;
+        }
         fill::fill_unseen(&mut plate.picture, &mut plate.origin, &samples.needed, params)?;
     }
     plate.view = view_of(&plate)?;

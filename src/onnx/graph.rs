@@ -91,6 +91,12 @@ impl Graph {
         self.binding.outputs.iter().any(|bound| bound.name == name)
     }
 
+    /// The shape that the graph declares for an input of that part, -1 where symbolic.
+    pub fn declared(&self, name: &str) -> Option<&[i64]> {
+        let bound = self.binding.inputs.iter().find(|bound| bound.name == name);
+        bound.map(|bound| bound.declared.shape.as_slice())
+    }
+
     /// Runs the graph on `inputs`, by the contract's names; what it does without is left out.
     ///
     /// # Errors

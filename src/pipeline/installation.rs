@@ -12,7 +12,8 @@ use super::{
     learned::{Findings, backend},
 };
 use crate::{
-    inpaint::video::VIDEO_INPAINT,
+    hands::network::HAND_POSE,
+    inpaint::{network::IMAGE_INPAINT, video::VIDEO_INPAINT},
     render::{self, DeviceChoice},
     segment::sam2::SAM2_VIDEO,
     select::vlm::{VlmPlan, VlmSettings, VlmWish},
@@ -149,17 +150,22 @@ impl Installation {
     pub fn stage_backends(&self, parts: &[PartReport], models: &[ModelReport]) -> Vec<StageBackend> {
         let has = |name| parts.iter().any(|part| part.name == name && part.found.is_some());
         let either = |ok: bool, yes: &str, no: &str| if ok { yes.to_owned() } else { no.to_owned() };
+        let unseen = backend(models, &IMAGE_INPAINT, "smooth fill");
+        let plate = format!("temporal background plate (what no frame saw: {unseen})");
         let row = |stage, backend| StageBackend { stage, backend };
+        let estimator =
+            either(has("hand estimator"), "MediaPipe, fitted in 3-D", "imported hand tracks only");
+        let hands = match self.models.estimator.first() {
+            Some(program) => format!("{program}, fitted in 3-D"),
+            None => backend(models, &HAND_POSE, &estimator),
+        };
         vec![
             row("clip", either(has("ffmpeg"), "ffmpeg", "unavailable: ffmpeg is missing")),
             row("select", self.selector()),
             row("segment", backend(models, &SAM2_VIDEO, "classical: dense flow, colour models, graph cuts")),
             row("template", "clean frame of the clip".to_owned()),
-            row("inpaint", backend(models, &VIDEO_INPAINT, "temporal background plate")),
-            row(
-                "hands",
-                either(has("hand estimator"), "MediaPipe, fitted in 3-D", "imported hand tracks only"),
-            ),
+            row("inpaint", backend(models, &VIDEO_INPAINT, &plate)),
+            row("hands", hands),
             row("retarget", "damped least squares in MuJoCo".to_owned()),
             row(
                 "render",

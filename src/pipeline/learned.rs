@@ -8,7 +8,11 @@ use std::{
 
 use super::Installation;
 use crate::{
-    inpaint::video::{Blend, VIDEO_INPAINT, VideoNetwork},
+    hands::network::{HAND_POSE, HandNetwork},
+    inpaint::{
+        network::{IMAGE_INPAINT, ImageNetwork},
+        video::{Blend, VIDEO_INPAINT, VideoNetwork},
+    },
     onnx::{CheckedModel, Contract, ModelFolder, OnnxError, Registry, Runtime, RuntimeOptions, Trust},
     segment::sam2::{ImageSegmenter, SAM2_IMAGE, SAM2_VIDEO, VideoSegmenter},
 };
@@ -26,6 +30,9 @@ pub struct ModelOptions {
     pub runtime: RuntimeOptions,
     /// How the background network's windows are blended.
     pub blend: Blend,
+    /// The program that finds hands, with its arguments, in place of a hand model and of the shipped estimator (default:
+    /// none).
+    pub estimator: Vec<String>,
 }
 
 /// What was found for a contract with the options it was looked for with.
@@ -50,7 +57,7 @@ pub struct ModelReport {
 }
 
 /// Every contract that the pipeline has a use for.
-const CONTRACTS: [Contract; 3] = [SAM2_IMAGE, SAM2_VIDEO, VIDEO_INPAINT];
+const CONTRACTS: [Contract; 5] = [SAM2_IMAGE, SAM2_VIDEO, VIDEO_INPAINT, IMAGE_INPAINT, HAND_POSE];
 
 impl Installation {
     /// Folders with models, the first to win: those asked for, the user's own, the project's.
@@ -160,6 +167,8 @@ impl Installation {
         let runtime = self.runtime()?;
         match model.description().contract.as_str() {
             id if id == VIDEO_INPAINT.id => VideoNetwork::open(&runtime, model).map(drop),
+            id if id == IMAGE_INPAINT.id => ImageNetwork::open(&runtime, model).map(drop),
+            id if id == HAND_POSE.id => HandNetwork::open(&runtime, model).map(drop),
             id if id == SAM2_IMAGE.id => ImageSegmenter::open(&runtime, model).map(drop),
             id if id == SAM2_VIDEO.id => VideoSegmenter::open(&runtime, model).map(drop),
             other => Err(model.wrong(format!("no stage uses the contract {other}"))),

@@ -40,7 +40,7 @@ pub fn camera() -> Pinhole {
 pub fn hand_frame(joints: &[Vector3<f64>; 21], camera: &Pinhole) -> HandFrame {
     let joints = joints.map(Position::<Camera>::new);
     let keypoints = joints.map(|joint| camera.project(&joint).unwrap_or_default());
-    HandFrame { state: HandState::Observed, confidence: 0.95, keypoints, joints }
+    HandFrame { state: HandState::Observed, confidence: 0.95, keypoints, joints, mano: None }
 }
 
 /// Both hands reach, close and part in front of a head camera.

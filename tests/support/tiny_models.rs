@@ -316,3 +316,129 @@ fn red_picture_decoder(features: [&str; 3], hugging_face: bool) -> Vec<u8> {
         .output(fits, F, &fit_shape)
         .bytes()
 }
+
+/// `hand-pose/1`, detector: what is red is a right hand, in a square box of a given side about its middle.
+pub fn red_hand_detector(side: i64, boxed: f32) -> Vec<u8> {
+    let across: Vec<f32> = (0..side * side).map(|at| (at % side) as f32).collect();
+    let down: Vec<f32> = (0..side * side).map(|at| (at / side) as f32).collect();
+    let mut writer = GraphWriter::new()
+        .input("images", F, &[1, 3, side, side])
+        .floats("weights", &[1, 3, 1, 1], &[1.0, -0.5, -0.5])
+        .floats("across", &[1, 1, side, side], &across)
+        .floats("down", &[1, 1, side, side], &down)
+        .floats("half", &[1], &[0.5])
+        .floats("least", &[1], &[1e-3])
+        .floats("rest", &[1, 4, 1], &[boxed, boxed, 0.1, 0.9])
+        .integers("cell", &[3], &[1, 1, 1])
+        .node("Conv", &["images", "weights"], "redness", &[])
+        .node("Greater", &["redness", "half"], "is_red", &[])
+        .node("Cast", &["is_red"], "red", &[("to", Value::Integer(1))])
+        .node("ReduceSum", &["red"], "area", &[("keepdims", Value::Integer(0))])
+        .node("Max", &["area", "least"], "some", &[]);
+    for axis in ["across", "down"] {
+        let (times, sum, mean) = (format!("{axis}_times"), format!("{axis}_sum"), format!("{axis}_mean"));
+        writer = writer
+            .node("Mul", &["red", axis], &times, &[])
+            .node("ReduceSum", &[&times], &sum, &[("keepdims", Value::Integer(0))])
+            .node("Div", &[&sum, "some"], &mean, &[])
+            .node("Reshape", &[&mean, "cell"], &format!("{axis}_cell"), &[]);
+    }
+    writer
+        .node("Concat", &["across_cell", "down_cell", "rest"], "output0", &[("axis", Value::Integer(1))])
+        .output("output0", F, &[1, 6, 1])
+        .bytes()
+}
+
+/// `hand-pose/1`, detector: the same candidates on every picture; each a box's centre and size, trust in a left and in a
+/// right hand.
+pub fn same_hands_detector(side: i64, hands: &[[f32; 6]]) -> Vec<u8> {
+    let count = hands.len() as i64;
+    let row = |row: usize| hands.iter().map(move |hand| if row < 6 { hand[row] } else { 0.0 });
+    let values: Vec<f32> = (0..69).flat_map(row).collect();
+    GraphWriter::new()
+        .input("images", F, &[1, 3, side, side])
+        .floats("same", &[1, 69, count], &values)
+        .node("Identity", &["same"], "output0", &[])
+        .output("output0", F, &[1, 69, count])
+        .bytes()
+}
+
+/// 21 joints of a flat right hand that points up, palm away, metres: 18 cm from the wrist to the middle finger's tip.
+pub fn flat_hand() -> [[f32; 3]; 21] {
+    let mut joints = [[0.0; 3]; 21];
+    for finger in 0..5 {
+        for joint in 0..4 {
+            let aside = 0.02 * (finger as f32 - 2.0);
+            joints[1 + 4 * finger + joint] = [aside, -0.09 - 0.03 * joint as f32, 0.0];
+        }
+    }
+    joints
+}
+
+/// `hand-pose/1`, regressor: the hand `joints` of scale `scale`, shifted to where the crop is brighter; its rotations are
+/// quarter turns about x where asked for.
+pub fn brighter_side_regressor(scale: f32, joints: &[[f32; 3]], rotations: bool) -> Vec<u8> {
+    let count = joints.len() as i64;
+    let mut writer = GraphWriter::new()
+        .input("img", F, &[-1, 3, 256, 256])
+        .floats("scale", &[1, 1], &[scale])
+        .floats("none", &[1, 1], &[0.0])
+        .floats("joints", &[1, count, 3], joints.as_flattened())
+        .integers("start", &[1], &[0])
+        .integers("middle", &[1], &[128])
+        .integers("end", &[1], &[256])
+        .integers("columns", &[1], &[3])
+        .integers("one", &[2], &[1, 1])
+        .node("Slice", &["img", "start", "middle", "columns"], "left", &[])
+        .node("Slice", &["img", "middle", "end", "columns"], "right", &[]);
+    for half in ["left", "right"] {
+        let to = format!("{half}_mean");
+        writer = writer.node("ReduceMean", &[half], &to, &[("keepdims", Value::Integer(0))]);
+    }
+    writer = writer
+        .node("Sub", &["right_mean", "left_mean"], "difference", &[])
+        .node("Reshape", &["difference", "one"], "shift", &[])
+        .node("Concat", &["scale", "shift", "none"], "pred_cam", &[("axis", Value::Integer(1))])
+        .node("Identity", &["joints"], "pred_keypoints_3d", &[])
+        .output("pred_cam", F, &[-1, 3])
+        // A wrong count shows only when the graph is run.
+        .output("pred_keypoints_3d", F, &[-1, if count == 21 { 21 } else { -1 }, 3]);
+    if rotations {
+        let turn = [1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0];
+        writer = writer
+            .floats("turn", &[1, 1, 3, 3], &turn)
+            .floats("turns", &[1, 15, 3, 3], &turn.repeat(15))
+            .floats("shape", &[1, 10], &[0.5; 10])
+            .node("Identity", &["turn"], "global_orient", &[])
+            .node("Identity", &["turns"], "hand_pose", &[])
+            .node("Identity", &["shape"], "betas", &[])
+            .output("global_orient", F, &[-1, 1, 3, 3])
+            .output("hand_pose", F, &[-1, 15, 3, 3])
+            .output("betas", F, &[-1, 10]);
+    }
+    writer.bytes()
+}
+
+/// `image-inpaint/1`: the hole gets the mean colour of what is around it, and everything else is turned to noise.
+pub fn mean_of_surroundings(side: i64) -> Vec<u8> {
+    GraphWriter::new()
+        .input("image", F, &[-1, 3, side, side])
+        .input("mask", F, &[-1, 1, side, side])
+        .floats("one", &[1], &[1.0])
+        .floats("full", &[1], &[255.0])
+        .floats("least", &[1], &[1e-3])
+        .integers("space", &[2], &[2, 3])
+        .integers("whole", &[4], &[1, 3, side, side])
+        .node("ReduceSum", &["image", "space"], "sum", &[])
+        .node("Sub", &["one", "mask"], "known", &[])
+        .node("ReduceSum", &["known", "space"], "count", &[])
+        .node("Max", &["count", "least"], "some", &[])
+        .node("Div", &["sum", "some"], "mean", &[])
+        .node("Mul", &["mean", "full"], "colour", &[])
+        .node("Expand", &["colour", "whole"], "spread", &[])
+        // What is known comes back as anything: nobody may look at it.
+        .node("Mul", &["known", "full"], "noise", &[])
+        .node("Add", &["spread", "noise"], "output", &[])
+        .output("output", F, &[-1, 3, side, side])
+        .bytes()
+}

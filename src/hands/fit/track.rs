@@ -41,9 +41,21 @@ pub(super) fn to_frames(
             Some(seen) => {
                 let error = relative_error(&seen.keypoints, &projected);
                 let confidence = seen.confidence / (1.0 + (error / POOR_FIT).powi(2));
-                HandFrame { state: HandState::Observed, confidence, keypoints: seen.keypoints, joints }
+                HandFrame {
+                    state: HandState::Observed,
+                    confidence,
+                    keypoints: seen.keypoints,
+                    joints,
+                    mano: None,
+                }
             }
-            None => HandFrame { state: HandState::Bridged, confidence: 0.0, keypoints: projected, joints },
+            None => HandFrame {
+                state: HandState::Bridged,
+                confidence: 0.0,
+                keypoints: projected,
+                joints,
+                mano: None,
+            },
         });
     }
     fade_bridges(&mut frames);

@@ -54,7 +54,7 @@ fn at(known: &[(f64, &Joints)], time: f64, fps: f64, pinhole: &Pinhole, longest_
     let keypoints: Option<[Pixel; KEYPOINT_COUNT]> = projected.and_then(|p| p.try_into().ok());
     let Some(keypoints) = keypoints else { return HandFrame::invalid() };
     let (state, confidence) = if bridged { (HandState::Bridged, 0.5) } else { (HandState::Observed, 1.0) };
-    HandFrame { state, confidence, keypoints, joints }
+    HandFrame { state, confidence, keypoints, joints, mano: None }
 }
 
 /// Median length from wrist to middle tip along the bones, metres.

@@ -11,6 +11,7 @@ use crate::{
     image::Rgb8,
     inpaint::{
         self, InpaintError, InpaintParams, InpaintReport, SinkError,
+        network::{IMAGE_INPAINT, ImageNetwork},
         video::{VIDEO_INPAINT, VideoNetwork, clean_by_network},
     },
     pipeline::{ClipFailure, ExitCode, Key, Stage, reporter::StageWatch},
@@ -49,6 +50,9 @@ pub(super) fn background(
     if let Some(made) = by_network(context, clip, masks, &params)? {
         return Ok(made);
     }
+    if let Some(made) = with_unseen_by_network(context, clip, masks, &params)? {
+        return Ok(made);
+    }
     let key = Key::new(Stage::Inpaint, &masks.2, &params)?;
     kept(context, clip, &key, |sink, watch| {
         inpaint::clean(clip, masks.0, masks.1, None, &params, sink, watch)
@@ -70,6 +74,27 @@ fn by_network(
                 context.installation.runtime().and_then(|runtime| VideoNetwork::open(&runtime, model));
             let cleaned = network.map_err(InpaintError::from).and_then(|mut network| {
                 clean_by_network(clip, (masks.0, masks.1), params, (&mut network, blend), sink, watch)
+            });
+            cleaned.inspect_err(|error| fault.note(error.of_model()))
+        })
+    })
+}
+
+/// Plates whose unseen parts a network makes up; `None` where none is active or it failed, which is said in one line.
+fn with_unseen_by_network(
+    context: &Context<'_>,
+    clip: &StandardClip,
+    masks: Masks<'_>,
+    params: &InpaintParams,
+) -> Result<Option<Background>, ClipFailure> {
+    context.with_model(&IMAGE_INPAINT, ModelUse::UnseenBackground, |model, fault| {
+        let key = Key::new(Stage::Inpaint, &masks.2, &(params, "unseen by", model.identity()))?;
+        kept(context, clip, &key, |sink, watch| {
+            let network =
+                context.installation.runtime().and_then(|runtime| ImageNetwork::open(&runtime, model));
+            let cleaned = network.map_err(InpaintError::from).and_then(|mut network| {
+                let unseen = Some(&mut network);
+                inpaint::clean_with(clip, (masks.0, masks.1), None, params, unseen, sink, watch)
             });
             cleaned.inspect_err(|error| fault.note(error.of_model()))
         })

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeSet, path::Path, sync::atomic::AtomicBool};
 
-use super::{RunOptions, model, move_robot};
+use super::{RunOptions, estimator, model, move_robot};
 use crate::{
     inpaint::video::Blend,
     pipeline::{
@@ -21,6 +21,8 @@ pub(super) struct Inputs {
     robot: String,
     /// The learned models in use, and how their windows are blended.
     models: (Vec<(&'static str, String)>, Blend),
+    /// The hand estimator that somebody asked for.
+    estimator: Option<Vec<String>>,
     options: RunOptions,
 }
 
@@ -49,7 +51,9 @@ impl Inputs {
         let track = track.map(|hash| hash.to_hex().to_string());
         let robot = move_robot::robot_identity(installation)?;
         let models = (installation.model_identities(), installation.models.blend);
-        Ok(Self { clip, track, robot, models, options })
+        let own = !installation.models.estimator.is_empty();
+        let estimator = own.then(|| estimator::identity(installation));
+        Ok(Self { clip, track, robot, models, estimator, options })
     }
 
     /// The hash of these and of everything decided in `document`. `unasked` says that a model was asked in vain for them.
@@ -73,7 +77,10 @@ impl Inputs {
         decided.object = decided.object.filter(|object| object.author == Author::Human);
         let said = model::inputs(job, document, installation, unasked);
         let inputs = (decided, &job.object, &self.track, &self.robot, said, &self.models);
-        let key = Key::new(Stage::Export, &[], &inputs)?;
+        let mut key = Key::new(Stage::Export, &[], &inputs)?;
+        if let Some(estimator) = &self.estimator {
+            key = Key::new(Stage::Export, &[&key], &("estimator", estimator))?;
+        }
         Ok(if self.options.layers { Key::new(Stage::Export, &[&key], &"layers")? } else { key })
     }
 }

@@ -3,8 +3,10 @@
 mod background;
 mod context;
 mod edits;
+mod estimator;
 mod export;
 mod frame;
+mod given_hands;
 mod inputs;
 mod layer_files;
 mod layers;
@@ -227,8 +229,8 @@ fn understand(
     remember_hash(context, decisions, &clip.info.hash)?;
     let table = (&clip.info.hash, clip.info.rotate, clip.info.intrinsics_source, &clip.info.frame_table);
     let clip_key = Key::new(Stage::Clip, &[], &table)?;
-    let imported = move_robot::imported_track(context, &clip)?;
-    let (seen, landmark_key) = understand::landmarks(context, &clip, imported.as_ref(), &clip_key)?;
+    let given = given_hands::given(context, &clip, &clip_key)?;
+    let (seen, landmark_key) = understand::landmarks(context, &clip, given.as_ref(), &clip_key)?;
     let seen = Arc::new(seen);
     let (corrected, corrected_key) = understand::corrected(context, &seen, &landmark_key)?;
     listener.found(Finding::Landmarks(Arc::new(corrected.landmarks.clone())));
@@ -257,7 +259,7 @@ fn understand(
             listener.found(Finding::Template(template.clone()));
             let around = move_robot::surroundings(arms.0, template.as_deref());
             let keys = [&corrected_key, &arms_key, &template_key];
-            let (hands, hands_key) = move_robot::hands(context, &clip, imported, &corrected, &around, keys)?;
+            let (hands, hands_key) = move_robot::hands(context, &clip, given, &corrected, &around, keys)?;
             listener.found(Finding::Hands(Arc::clone(&hands)));
             let (robot, motion) = move_robot::retarget(context, &hands, &hands_key)?;
             listener.found(Finding::Motion(Arc::clone(&motion)));

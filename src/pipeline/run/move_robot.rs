@@ -5,14 +5,12 @@ use std::sync::Arc;
 use super::{
     context::Context,
     edits::{hand_edits, move_keypoints},
+    given_hands::GivenHands,
 };
 use crate::{
     clip::{FrameSource as _, StandardClip},
     geometry::{PerSide, Pinhole, Side},
-    hands::{
-        self, Estimation, FitParams, HandFrame, HandTrack, Surroundings,
-        import::{self, ImportParams},
-    },
+    hands::{self, Estimation, FitParams, HandFrame, HandTrack, Surroundings},
     landmarks::{HandLandmarks, KEYPOINT_COUNT},
     pipeline::{ClipFailure, ExitCode, Installation, Key, Stage},
     retarget::{self, Method, RetargetParams, RobotMotion},
@@ -22,18 +20,6 @@ use crate::{
     template::TemplateTrack,
 };
 
-/// The session's imported hand track, where it names one.
-pub(super) fn imported_track(
-    context: &Context<'_>,
-    clip: &StandardClip,
-) -> Result<Option<HandTrack>, ClipFailure> {
-    let Some(path) = &context.document.hand_track else { return Ok(None) };
-    let times: Vec<f64> = clip.info.frame_table.iter().map(|row| row.source_pts).collect();
-    let track = import::read(path.as_ref(), &times, &clip.info.intrinsics, &ImportParams::default())
-        .map_err(|error| ClipFailure::from_error(&error, ExitCode::BadInput).in_stage(Stage::Landmarks))?;
-    Ok(Some(track))
-}
-
 /// What tells where a hidden hand has gone.
 pub(super) fn surroundings(arms: &ArmTrack, template: Option<&TemplateTrack>) -> Surroundings {
     let arm_area = PerSide::from_fn(|side| arms.sides[side].iter().map(RleMask::area).collect());
@@ -42,20 +28,38 @@ pub(super) fn surroundings(arms: &ArmTrack, template: Option<&TemplateTrack>) ->
     Surroundings { arm_area, object }
 }
 
-/// Metric hands: fitted to the landmarks, or the imported ones as they are.
+/// Metric hands: fitted to the landmarks, or the given ones with a person's corrections.
 pub(super) fn hands(
     context: &Context<'_>,
     clip: &StandardClip,
-    imported: Option<HandTrack>,
+    given: Option<GivenHands>,
     seen: &Estimation,
     around: &Surroundings,
     keys: [&Key; 3],
 ) -> Result<(Arc<HandTrack>, Key), ClipFailure> {
-    if let Some(mut track) = imported {
-        correct(&mut track, &context.document, &clip.info.intrinsics)
-            .map_err(|error| ClipFailure::from_error(&error, ExitCode::Internal).in_stage(Stage::Hands))?;
-        let key = Key::new(Stage::Hands, &keys[..1], &"imported and corrected")?;
-        return Ok((Arc::new(track), key));
+    match given {
+        Some(GivenHands::Imported(mut track)) => {
+            correct(&mut track, &context.document, &clip.info.intrinsics).map_err(|error| {
+                ClipFailure::from_error(&error, ExitCode::Internal).in_stage(Stage::Hands)
+            })?;
+            let key = Key::new(Stage::Hands, &keys[..1], &"imported and corrected")?;
+            return Ok((Arc::new(track), key));
+        }
+        Some(GivenHands::Network(track)) => {
+            let (document, camera) = (&context.document, &clip.info.intrinsics);
+            let inputs = ("by a network", document.retarget.hand_length, camera);
+            return context.cached_stage(Stage::Hands, &keys, &inputs, ExitCode::Internal, |_| {
+                let mut track = HandTrack::clone(&track);
+                if let Some(length) = document.retarget.hand_length {
+                    track.set_length(length);
+                }
+                correct(&mut track, document, camera)?;
+                hands::fill_hidden(&seen.landmarks, around).complete(&mut track, camera)?;
+                strike_out(&mut track, document);
+                Ok::<_, hands::HandsError>(track)
+            });
+        }
+        None => {}
     }
     let mut params = FitParams::default();
     if let Some(length) = context.document.retarget.hand_length {
@@ -72,7 +76,7 @@ pub(super) fn hands(
     })
 }
 
-/// An imported track as a person corrected it: sides exchanged, joints moved, hands struck out.
+/// A given track as a person corrected it: sides exchanged, joints moved, hands struck out.
 fn correct(track: &mut HandTrack, document: &Document, camera: &Pinhole) -> Result<(), hands::HandsError> {
     for range in &document.sides_swapped {
         let (first, last) = (range.first.as_usize(), range.last.as_usize());
@@ -91,7 +95,7 @@ fn correct(track: &mut HandTrack, document: &Document, camera: &Pinhole) -> Resu
     Ok(())
 }
 
-/// Fits an imported hand to the joints a person moved, as far away as it was.
+/// Fits a given hand to the joints a person moved, as far away as it was.
 fn move_joints(
     hand: &mut HandFrame,
     edit: &HandEdit,
@@ -118,7 +122,7 @@ fn move_joints(
     Ok(())
 }
 
-/// Hands a person struck out of an imported track.
+/// Hands a person struck out of a given track.
 fn strike_out(track: &mut HandTrack, document: &Document) {
     for (frame, side, _) in hand_edits(document).filter(|(_, _, edit)| edit.invalid) {
         if let Some(hand) = track.hands[side].get_mut(frame.as_usize()) {
@@ -228,7 +232,7 @@ mod tests {
             }
         }
         let keypoints = joints.map(|joint| camera().project(&joint).unwrap());
-        HandFrame { state: HandState::Observed, confidence: 0.7, keypoints, joints }
+        HandFrame { state: HandState::Observed, confidence: 0.7, keypoints, joints, mano: None }
     }
 
     #[test]
@@ -256,5 +260,40 @@ mod tests {
         correct(&mut track, &document, &camera()).unwrap();
         assert!(!track.hands.left[0].is_valid() && track.hands.left[1].is_valid());
         assert_eq!(track.hands.right[0], flat(0.0));
+    }
+
+    #[test]
+    fn a_hidden_hand_is_put_into_a_network_s_track_as_far_away_as_before_and_after() {
+        let near = |t: usize| {
+            let mut hand = flat(0.002 * t as f64);
+            // Nearer and nearer, the same in the picture.
+            hand.joints.iter_mut().for_each(|joint| joint.xyz *= 1.0 - 0.01 * t as f64);
+            hand
+        };
+        let whole: Vec<HandFrame> = (0..8).map(near).collect();
+        let mut seen = whole.clone();
+        seen[3..6].fill(HandFrame::invalid());
+        let mut track = HandTrack {
+            hands: PerSide { left: seen, right: vec![HandFrame::invalid(); 8] },
+            hand_length: PerSide { left: Some(0.19), right: None },
+            backend: "network".to_owned(),
+        };
+        let landmarks = whole.iter().map(|hand| {
+            let seen = HandLandmarks { keypoints: hand.keypoints, world: None, confidence: 0.3 };
+            PerSide { left: Some(seen), right: None }
+        });
+        let mut filled = hands::FilledLandmarks {
+            landmarks: landmarks.collect(),
+            filled: PerSide::from_fn(|_| vec![false; 8]),
+        };
+        filled.filled.left[3..6].fill(true);
+        filled.complete(&mut track, &camera()).unwrap();
+        for (frame, whole) in track.hands.left.iter().zip(&whole).take(6).skip(3) {
+            assert_eq!(frame.state, HandState::Bridged);
+            assert!((frame.wrist().xyz.z - whole.wrist().xyz.z).abs() < 1e-9);
+        }
+        assert!(track.hands.right.iter().all(|hand| !hand.is_valid()));
+        track.set_length(0.38);
+        assert!((track.hands.left[0].wrist().xyz.z - 2.0 * whole[0].wrist().xyz.z).abs() < 1e-9);
     }
 }

@@ -7,13 +7,15 @@ use nalgebra::Matrix3;
 use super::{
     context::Context,
     edits::{human_masks, landmarks_with_keypoints, landmarks_with_sides},
+    estimator,
+    given_hands::GivenHands,
     model,
     source::standard_prompt,
 };
 use crate::{
     clip::{FrameIndex, FrameSource, StandardClip},
     geometry::PerSide,
-    hands::{self, EstimateParams, Estimation, EstimatorCommand, HandTrack},
+    hands::{self, EstimateParams, Estimation, HandTrack},
     landmarks::{HandLandmarks, LandmarkTrack},
     pipeline::{ClipFailure, ClipJob, Decisions, ExitCode, Key, Stage},
     segment::{
@@ -25,29 +27,22 @@ use crate::{
     template::{self, TemplateParams, TemplateTrack},
 };
 
-/// The shipped estimator; embedded so that the program needs no files beside it.
-const ESTIMATOR_SCRIPT: &str = include_str!("../../../models/estimators/mediapipe_hands.py");
-
-/// Landmarks of the clip: from the estimator, or seen again from an imported track.
+/// Landmarks of the clip: from the estimator, or seen again from hands that are given.
 pub(super) fn landmarks(
     context: &Context<'_>,
     clip: &StandardClip,
-    imported: Option<&HandTrack>,
+    given: Option<&GivenHands>,
     clip_key: &Key,
 ) -> Result<(Estimation, Key), ClipFailure> {
-    let (estimation, key) = if let Some(track) = imported {
-        let key = Key::new(Stage::Landmarks, &[clip_key], &(&context.document.hand_track, track))?;
-        let landmarks = landmarks_of(track);
-        (Arc::new(Estimation { landmarks, backend: track.backend.clone() }), key)
+    let (estimation, key) = if let Some(given) = given {
+        let key = given.key(context, clip_key)?;
+        let track = given.track();
+        (Arc::new(Estimation { landmarks: landmarks_of(track), backend: track.backend.clone() }), key)
     } else {
         let params = EstimateParams::default();
-        let inputs = (&params, blake3::hash(ESTIMATOR_SCRIPT.as_bytes()).to_hex().to_string());
+        let inputs = (&params, estimator::identity(context.installation));
         context.cached_stage(Stage::Landmarks, &[clip_key], &inputs, ExitCode::Temporary, |watch| {
-            let script = context.cache.folder().join("mediapipe_hands.py");
-            let refused = |source| hands::HandsError::Start { program: script.clone(), source };
-            crate::session::write_durably(&script, ESTIMATOR_SCRIPT.as_bytes()).map_err(refused)?;
-            let python = context.installation.estimator_python();
-            let command = EstimatorCommand::new(python, [script.to_string_lossy().into_owned()]);
+            let command = estimator::command(context.installation, &context.cache)?;
             hands::estimate(clip, &command, &params, watch)
         })?
     };
@@ -74,7 +69,7 @@ pub(super) fn corrected(
     Ok((Estimation { landmarks, backend: seen.backend.clone() }, key))
 }
 
-/// An imported track as an estimator would have seen it.
+/// A given track as an estimator would have seen it.
 fn landmarks_of(track: &HandTrack) -> LandmarkTrack {
     FrameIndex::all(track.frame_count())
         .map(|index| {

@@ -217,6 +217,9 @@ fn coverage(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         return fault.into_iter().for_each(|fault| model_fault(ui, cx.tokens, fault));
     };
     made_by(ui, cx.tokens, &report.backend, fault);
+    if let Some(fault) = workspace.found.model_faults.get(&ModelUse::UnseenBackground) {
+        model_fault(ui, cx.tokens, fault);
+    }
     if let Some(here) = report.coverage.get(workspace.playhead.as_usize()) {
         row(ui, cx, "This frame", here);
     }

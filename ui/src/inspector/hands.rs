@@ -2,6 +2,7 @@
 
 use agenticfocus::{
     clip::{CameraSpec, FrameIndex},
+    engine::ModelUse,
     geometry::Side,
     hands::{HandState, HandTrack},
     session::{Command, RetargetSettings},
@@ -12,7 +13,7 @@ use super::{
     edits::without_swap,
     parts::{
         Edit, Parameter, Share, bar_of_shares, choice_button, fact, frame_with_cross, go_to_frame, hint,
-        mark, section, sign, unavailable,
+        made_by, mark, model_fault, section, sign, unavailable,
     },
 };
 use crate::{
@@ -27,7 +28,10 @@ use crate::{
 const MEAN_HAND_LENGTH_MM: f64 = 187.0;
 
 pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
-    section(ui, cx, "Hand to correct", which);
+    section(ui, cx, "Hand to correct", |ui, cx| {
+        which(ui, cx);
+        back_end(ui, cx, workspace);
+    });
     for side in Side::BOTH {
         section(ui, cx, title_of(side), |ui, cx| one_hand(ui, cx, workspace, side));
     }
@@ -53,6 +57,15 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
         edits(ui, cx, workspace);
     });
     section(ui, cx, "Scale", |ui, cx| scale(ui, cx, workspace));
+}
+
+/// Who found the hands, and why a learned model did not.
+fn back_end(ui: &mut Ui, cx: &mut Context<'_>, workspace: &Workspace) {
+    let fault = workspace.found.model_faults.get(&ModelUse::Hands);
+    match &workspace.found.hands {
+        Some(track) => made_by(ui, cx.tokens, &track.backend, fault),
+        None => fault.into_iter().for_each(|fault| model_fault(ui, cx.tokens, fault)),
+    }
 }
 
 fn title_of(side: Side) -> &'static str {

@@ -83,6 +83,7 @@ fn hand(side: Side, at: u32) -> HandFrame {
         confidence: if state == HandState::Bridged { 0.5 } else { 0.93 },
         joints: keypoints.map(|pixel| camera.unproject(pixel, 0.45)),
         keypoints,
+        mano: None,
     }
 }
 
