@@ -32,6 +32,18 @@ pub(super) struct Loaded {
     pub view: View,
 }
 
+/// One frame and its masks, CV_8UC3 and CV_8UC1 of full size.
+#[derive(Debug)]
+pub(super) struct Cut {
+    pub picture: Mat,
+    pub arm: Mat,
+    pub object: Mat,
+    /// What is taken out.
+    pub hole: Mat,
+    /// Object pixels that stay whatever the hand's mask says.
+    pub core: Mat,
+}
+
 /// One frame at work scale only.
 #[derive(Debug)]
 pub(super) struct Glance {
@@ -94,15 +106,21 @@ impl<'a> Scene<'a> {
 
     /// Reads frame `index` without keeping it.
     pub fn read(&self, index: usize) -> Result<Loaded, InpaintError> {
+        let Cut { picture, arm, object, hole, core } = self.cut(index)?;
+        let blocked = blocked_mat(&arm, &object, self.params)?;
+        let view = View::new(self.scale, &picture, &blocked)?;
+        Ok(Loaded { picture, hole, blocked, core, view })
+    }
+
+    /// Frame `index` and what is taken out of it, without what registration needs: much cheaper than [`Self::read`].
+    pub fn cut(&self, index: usize) -> Result<Cut, InpaintError> {
         let index = FrameIndex(index as u32);
         let picture = self.frames.frame(index)?.to_mat()?;
         let arm = self.arms.frame(index).mask.decode().to_mat()?;
         let object = self.object.frame(index).mask.decode().to_mat()?;
         let core = core_mat(&object, self.params)?;
         let hole = hole_mat(&arm, &core, self.params)?;
-        let blocked = blocked_mat(&arm, &object, self.params)?;
-        let view = View::new(self.scale, &picture, &blocked)?;
-        Ok(Loaded { picture, hole, blocked, core, view })
+        Ok(Cut { picture, arm, object, hole, core })
     }
 
     /// Frame `index`, read or kept; the frame farthest from it gives way when memory is short.

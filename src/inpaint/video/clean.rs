@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use opencv::{
-    core::{CV_8UC3, Mat, MatTrait, MatTraitManual, Point, Rect, Scalar, Size as CvSize},
+    core::{CV_8UC3, Mat, MatTrait, MatTraitConst, MatTraitManual, Point, Scalar, Size as CvSize},
     imgproc,
 };
 
@@ -18,6 +18,7 @@ use crate::{
     image::Rgb8,
     inpaint::{
         FrameCoverage, InpaintError, InpaintParams, InpaintReport, SinkError,
+        fill::grown_rect,
         hole::core_mat,
         scene::Scene,
         seam::{colours_of, laid_in, seam},
@@ -127,19 +128,21 @@ fn laid(
     fit: &Fit,
     planes: &[f32],
 ) -> Result<(Rgb8, FrameCoverage), InpaintError> {
-    let loaded = scene.read(frame)?;
-    let whole = Rect::new(0, 0, fit.clip.width as i32, fit.clip.height as i32);
+    let loaded = scene.cut(frame)?;
     let hole = opencv::core::count_non_zero(&loaded.hole)?.max(0) as u64;
     if hole == 0 {
         let covered = FrameCoverage { seen: 1.0, ..FrameCoverage::default() };
         return Ok((Rgb8::from_mat(&loaded.picture)?, covered));
     }
     let restored = fit.enlarge(&picture_of(planes, fit)?)?;
-    let background = colours_of(&restored)?;
     let feather = InpaintParams::pixels(scene.params.feather, fit.clip.width, 1);
-    let mut alpha = seam(&loaded.hole, feather)?;
-    alpha.set_to(&Scalar::all(0.0), &loaded.core)?;
-    let picture = laid_in(&loaded.picture, whole, &background, &alpha)?;
+    let around = imgproc::bounding_rect(&loaded.hole)?;
+    let region = grown_rect(around, 2 * feather + 2, restored.cols(), restored.rows());
+    let part = |of: &Mat| Mat::roi(of, region)?.try_clone();
+    let background = colours_of(&part(&restored)?)?;
+    let mut alpha = seam(&part(&loaded.hole)?, feather)?;
+    alpha.set_to(&Scalar::all(0.0), &part(&loaded.core)?)?;
+    let picture = laid_in(&loaded.picture, region, &background, &alpha)?;
     // A network does not say what it saw and what it made up.
     Ok((picture, FrameCoverage { hole, synthesised: 1.0, ..FrameCoverage::default() }))
 }
@@ -148,10 +151,12 @@ fn laid(
 fn picture_of(planes: &[f32], fit: &Fit) -> opencv::Result<Mat> {
     let (width, height) = (fit.outer.width as i32, fit.outer.height as i32);
     let mut picture = Mat::new_rows_cols_with_default(height, width, CV_8UC3, Scalar::all(0.0))?;
-    let plane = (width * height) as usize;
-    for (at, value) in picture.data_bytes_mut()?.iter_mut().enumerate() {
-        let network = planes.get((at % 3) * plane + at / 3).copied().unwrap_or(0.0);
-        *value = ((network + 1.0) / 2.0 * 255.0).round().clamp(0.0, 255.0) as u8;
+    let plane = ((width * height) as usize).max(1);
+    for (channel, values) in planes.chunks_exact(plane).take(3).enumerate() {
+        let bytes = picture.data_bytes_mut()?.iter_mut().skip(channel).step_by(3);
+        for (byte, network) in bytes.zip(values) {
+            *byte = ((network + 1.0) / 2.0 * 255.0).round().clamp(0.0, 255.0) as u8;
+        }
     }
     Ok(picture)
 }

@@ -141,7 +141,9 @@ impl VideoSegmenter {
         for (memory, row) in masks {
             features.extend_from_slice(&memory.tokens);
             let time = memory.times.get(row * TOKEN..(row + 1) * TOKEN).unwrap_or(&[0.0; TOKEN]);
-            positions.extend(memory.positions.iter().zip(time.iter().cycle()).map(|(at, time)| at + time));
+            for token in memory.positions.chunks(TOKEN) {
+                positions.extend(token.iter().zip(time).map(|(at, time)| at + time));
+            }
         }
         let shape = [tokens, masks.len(), 1, TOKEN];
         let objects = pointers.iter().flat_map(|(memory, _)| memory.pointer.iter().copied()).collect();

@@ -117,7 +117,7 @@ impl Follower<'_> {
             _ => (mask_of_prompt(prompt)?, MaskAuthor::Seeded),
         };
         self.condition_by_mask(at, &mask)?;
-        Ok(MaskFrame { flags: flags_of(&mask), mask, author, score: 1.0 })
+        Ok(MaskFrame { flags: flags_of(&mask.decode()), mask, author, score: 1.0 })
     }
 
     /// A mask says more than points: the decoder only gives the object's pointer, from its box.
@@ -157,10 +157,11 @@ impl Follower<'_> {
         if decoded.presence <= 0.0 {
             return Ok(nothing(self.size));
         }
-        let mask = RleMask::encode(&mask_of(&without_specks(&decoded.logits)?, self.size)?);
+        let mask = mask_of(&without_specks(&decoded.logits)?, self.size)?;
         let flags = flags_of(&mask);
-        let score = if mask.is_empty() { 0.0 } else { f64::from(decoded.fit).clamp(0.0, 1.0) };
-        Ok(MaskFrame { mask, author, score, flags })
+        let empty = flags.contains(&MaskFlag::Lost);
+        let score = if empty { 0.0 } else { f64::from(decoded.fit).clamp(0.0, 1.0) };
+        Ok(MaskFrame { mask: RleMask::encode(&mask), author, score, flags })
     }
 
     /// What two points can say: a box, one click, two clicks.
@@ -191,10 +192,9 @@ impl Follower<'_> {
     }
 }
 
-fn flags_of(mask: &RleMask) -> Vec<MaskFlag> {
-    let decoded: Mask = mask.decode();
+fn flags_of(mask: &Mask) -> Vec<MaskFlag> {
     let (right, low) = (f64::from(mask.size().width) - 1.0, f64::from(mask.size().height) - 1.0);
-    match decoded.bounding_box() {
+    match mask.bounding_box() {
         None => vec![MaskFlag::Lost],
         Some(b) if b.x0 < 1.0 || b.y0 < 1.0 || b.x1 > right || b.y1 > low => vec![MaskFlag::TouchesBorder],
         Some(_) => Vec::new(),
