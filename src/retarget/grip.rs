@@ -62,6 +62,7 @@ mod tests {
             wrist: Vector3::z(),
             palm: UnitQuaternion::identity(),
             fingers: [Vector3::x() * 0.08; 5],
+            tips: [Vector3::x() * 0.16; 5],
             gaps: [Vector3::y() * gap; 4],
             weight: 1.0,
         };

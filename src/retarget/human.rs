@@ -22,6 +22,8 @@ pub(super) struct HumanPose {
     pub palm: UnitQuaternion<f64>,
     /// Finger base → tip in the palm frame, metres, thumb to pinky.
     pub fingers: [Vector3<f64>; 5],
+    /// Wrist → fingertip in the palm frame, metres, thumb to pinky.
+    pub tips: [Vector3<f64>; 5],
     /// Thumb tip → fingertip in the palm frame, metres, index to pinky.
     pub gaps: [Vector3<f64>; 4],
     /// Trust for smoothing, 0 to 1.
@@ -47,6 +49,7 @@ impl HumanPose {
             wrist,
             palm,
             fingers: std::array::from_fn(|finger| local(at(TIPS[finger]) - at(BASES[finger]))),
+            tips: TIPS.map(|tip| local(at(tip) - wrist)),
             gaps: std::array::from_fn(|finger| local(at(TIPS[finger + 1]) - at(TIPS[0]))),
             weight: if bridged { 0.2 } else { 0.2 + 0.8 * confidence },
         })

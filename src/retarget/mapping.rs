@@ -11,6 +11,10 @@ use super::{
     target::{HandTarget, PinchTarget, SideTarget},
 };
 
+/// Between a finger that keeps its human direction and bend from its own base (0), and a fingertip that lies from
+/// the wrist as the human's does, scaled by the length of the hand (1).
+const TIP_SHARE: f64 = 0.5;
+
 /// What the map needs to know about one side of the robot and its human.
 #[derive(Debug)]
 pub(super) struct SideMap {
@@ -22,6 +26,9 @@ pub(super) struct SideMap {
     correction: UnitQuaternion<f64>,
     /// Bases of the robot's fingers in its palm frame, metres.
     bases: [Vector3<f64>; 5],
+    size: HumanSize,
+    /// Robot's hand length over the human's.
+    hand_scale: f64,
     /// Robot's finger length over the human's.
     scales: [f64; 5],
 }
@@ -36,6 +43,8 @@ impl SideMap {
             wrist_in_palm,
             correction: wrist_in_palm * correction.rotation() * wrist_in_palm.inverse(),
             bases: chain.bases_in_palm(),
+            size: *size,
+            hand_scale: chain.open_tips_in_palm()[2].norm() / size.hand,
             scales: std::array::from_fn(|finger| lengths[finger] / size.fingers[finger]),
         }
     }
@@ -51,14 +60,23 @@ impl SideMap {
         self.rotation * pose.palm * self.correction
     }
 
-    /// Wrist and fingers. Each finger keeps its human direction and its share of its own length, from the
-    /// robot's finger base.
+    /// Wrist and fingers. Each fingertip lies between where its finger keeps the human's direction and its share of
+    /// its own length, from the robot's finger base, and where the human's lies from the wrist, scaled.
     pub fn hand(&self, pose: &HumanPose, strengths: &[f64; 4], params: &Pinch) -> SideTarget {
         let palm = self.palm(pose);
-        let tip = |finger: usize| palm * (self.bases[finger] + pose.fingers[finger] * self.scales[finger]);
+        let tip = |finger: usize| {
+            let own = self.bases[finger] + pose.fingers[finger] * self.scales[finger];
+            palm * own.lerp(&(pose.tips[finger] * self.hand_scale), TIP_SHARE)
+        };
         let pinches = std::array::from_fn(|finger| {
-            let direction = pose.gaps[finger].try_normalize(1e-6).unwrap_or_else(Vector3::x);
-            PinchTarget { gap: palm * direction * params.gap, strength: strengths[finger] }
+            let gap = pose.gaps[finger];
+            let direction = gap.try_normalize(1e-6).unwrap_or_else(Vector3::x);
+            // Closed as long as the human's is; between `close` and `release` it opens as the human's does.
+            let opened =
+                (self.size.normalised(gap.norm()) - params.close) / (params.release - params.close).max(1e-6);
+            let share = opened.clamp(0.0, 1.0);
+            let length = params.gap + share * (gap.norm() * self.scales[finger + 1] - params.gap).max(0.0);
+            PinchTarget { gap: palm * direction * length, strength: strengths[finger] }
         });
         SideTarget { hand: Some(HandTarget { tips: std::array::from_fn(tip), pinches }), ..self.wrist(pose) }
     }

@@ -5,12 +5,16 @@ mod method;
 mod motion;
 
 #[cfg(feature = "engine")]
+mod banded;
+#[cfg(feature = "engine")]
 mod baselines;
 #[cfg(feature = "engine")]
 mod beta;
 mod error;
 #[cfg(feature = "engine")]
 mod filter;
+#[cfg(feature = "engine")]
+mod fingers;
 #[cfg(feature = "engine")]
 mod grip;
 #[cfg(feature = "engine")]
@@ -47,7 +51,7 @@ pub use method::{Method, UnknownMethod};
 pub use motion::{CameraMap, RobotMotion, SideReport};
 pub use params::{Beta, CameraAngles, CameraRotation, Cutoff, Pinch, RetargetParams, Smoothing, Weights};
 #[cfg(feature = "engine")]
-pub use score::{IkScore, score_ik};
+pub use score::{IkScore, reachable_motion, score_ik};
 #[cfg(feature = "engine")]
 pub use stage::retarget;
 pub use wrist::WristTurn;

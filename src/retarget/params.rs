@@ -229,7 +229,7 @@ impl Default for Weights {
 pub struct Pinch {
     /// Thumb and fingertip of the human nearer than this start a pinch, metres on a hand of 0.18 m.
     pub close: f64,
-    /// Farther than this they end it, metres on a hand of 0.18 m.
+    /// Farther than this they end it, metres on a hand of 0.18 m; on the way there the robot's open as they do.
     pub release: f64,
     /// Gap between the robot's fingertips in a pinch, metres.
     pub gap: f64,
@@ -239,7 +239,7 @@ pub struct Pinch {
 
 impl Default for Pinch {
     fn default() -> Self {
-        Self { close: 0.03, release: 0.05, gap: 1e-4, ramp_frames: 4 }
+        Self { close: 0.03, release: 0.04, gap: 1e-4, ramp_frames: 4 }
     }
 }
 

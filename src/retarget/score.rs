@@ -39,10 +39,16 @@ pub struct IkScore {
     pub time_ms: f64,
 }
 
+/// 150 frames (30 FPS) of both arms and hands that wander smoothly inside their limits: what [`score_ik`] takes its
+/// targets from.
+pub fn reachable_motion(robot: &RobotModel, seed: u64) -> Vec<JointAngles> {
+    (0..FRAMES).map(|frame| smooth_motion(robot, seed, frame)).collect()
+}
+
 /// Solves 150 frames (30 FPS) of smooth reachable wrist poses and finger motions, made by moving the robot's
 /// own joints inside their limits. The solver sees the targets alone, frame by frame, warm-started.
 pub fn score_ik(robot: &RobotModel, seed: u64) -> IkScore {
-    let motion: Vec<JointAngles> = (0..FRAMES).map(|frame| smooth_motion(robot, seed, frame)).collect();
+    let motion = reachable_motion(robot, seed);
     let targets: PerSide<Vec<SideTarget>> =
         PerSide::from_fn(|side| motion.iter().map(|angles| target_of(robot, side, angles)).collect());
     let mut solvers = PerSide::from_fn(|side| SideSolver::new(robot, side, Weights::default()));

@@ -127,12 +127,12 @@ impl ClipSolver<'_> {
         bounds
     }
 
-    /// Puts the wrists of smoothed `angles` back on their targets and closed pinches back together, near the
-    /// smoothed posture and inside the velocity limits. `angles` is the whole clip, `span` the run that belongs
+    /// Puts the wrists of smoothed `angles` back on their targets and fingers where they belong, near the smoothed
+    /// posture and inside the velocity limits. `angles` is the whole clip, `span` the run that belongs
     /// to `targets`.
     pub fn settle(&self, targets: &[SideTarget], angles: &mut [Angles], span: &Range<usize>) {
         let given = self.params.weights;
-        let weights = Weights { posture: 0.0, inertia: 0.6, fingertip: 0.2 * given.fingertip, ..given };
+        let weights = Weights { posture: 0.0, inertia: 0.6, ..given };
         let mut solver = SideSolver::new(self.robot, self.side, weights);
         let mut before: Option<Angles> = None;
         for (frame, target) in span.clone().zip(targets) {

@@ -15,6 +15,7 @@ use super::{
     baselines::{BaselineClip, do_as_i_do, masquerade},
     beta::fit_beta,
     filter::{limit_rate, moving_average, moving_average_zero_phase},
+    fingers::FingerRun,
     grip::pinch_strengths,
     human::HumanPose,
     mapping::SideMap,
@@ -135,6 +136,9 @@ impl SideWork<'_> {
             let smoothed = angles.clone();
             for (span, targets) in self.track.spans.iter().zip(&within_reach) {
                 clip.settle(targets, &mut angles, span);
+                let chain = self.robot.chain(self.side);
+                FingerRun::new(chain, &solver, self.params.weights, self.params.alpha)
+                    .refine(targets, &mut angles[span.clone()]);
             }
             self.fade_settling(&mut angles, &smoothed);
             for_each_joint(&mut angles, |joint, values| limit_rate(values, solver.step[joint]));

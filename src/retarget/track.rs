@@ -59,6 +59,7 @@ fn smooth_run(run: &mut [HumanPose], cutoff: &Cutoff) {
     smooth_palm(run, &weights, cutoff.rotation_hz);
     for finger in 0..5 {
         smooth_vectors(run, &weights, cutoff.finger_hz, |pose| &mut pose.fingers[finger]);
+        smooth_vectors(run, &weights, cutoff.finger_hz, |pose| &mut pose.tips[finger]);
     }
     for finger in 0..4 {
         smooth_vectors(run, &weights, cutoff.finger_hz, |pose| &mut pose.gaps[finger]);
