@@ -51,7 +51,7 @@ pub use method::{Method, UnknownMethod};
 pub use motion::{CameraMap, RobotMotion, SideReport};
 pub use params::{Beta, CameraAngles, CameraRotation, Cutoff, Pinch, RetargetParams, Smoothing, Weights};
 #[cfg(feature = "engine")]
-pub use score::{IkScore, reachable_motion, score_ik};
+pub use score::{IkScore, reachable_motion, score_ik, score_ik_with};
 #[cfg(feature = "engine")]
 pub use stage::retarget;
 pub use wrist::WristTurn;

@@ -48,10 +48,15 @@ pub fn reachable_motion(robot: &RobotModel, seed: u64) -> Vec<JointAngles> {
 /// Solves 150 frames (30 FPS) of smooth reachable wrist poses and finger motions, made by moving the robot's
 /// own joints inside their limits. The solver sees the targets alone, frame by frame, warm-started.
 pub fn score_ik(robot: &RobotModel, seed: u64) -> IkScore {
+    score_ik_with(robot, seed, Weights::default())
+}
+
+/// As [`score_ik`] with other weights: without posture and inertia nothing pulls away from the targets.
+pub fn score_ik_with(robot: &RobotModel, seed: u64, weights: Weights) -> IkScore {
     let motion = reachable_motion(robot, seed);
     let targets: PerSide<Vec<SideTarget>> =
         PerSide::from_fn(|side| motion.iter().map(|angles| target_of(robot, side, angles)).collect());
-    let mut solvers = PerSide::from_fn(|side| SideSolver::new(robot, side, Weights::default()));
+    let mut solvers = PerSide::from_fn(|side| SideSolver::new(robot, side, weights));
     let mut now: PerSide<SVector<f64, SIDE_DOF>> = PerSide::from_fn(|side| {
         let found = solve_afresh(&mut solvers[side], side, &targets[side][0]);
         found.first().map_or_else(|| solvers[side].comfortable(), |best: &Solution| best.angles)

@@ -112,7 +112,7 @@ impl<'r> SideSolver<'r> {
         for _ in 0..iterations {
             let move_by = box_step(&system, damping, &angles, bounds);
             let longest = move_by.amax();
-            if longest < 1e-7 {
+            if longest < 1e-10 {
                 break;
             }
             // Far from the solution the model is only good for so much.
@@ -123,7 +123,7 @@ impl<'r> SideSolver<'r> {
                 let gained = system.cost - next.cost;
                 angles = candidate;
                 damping = (damping * 0.1).max(1e-8);
-                let done = gained < 1e-9 * system.cost + 1e-12;
+                let done = gained < 1e-9 * system.cost + 1e-18;
                 system = next;
                 if done {
                     break;
