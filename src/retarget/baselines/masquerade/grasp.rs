@@ -56,6 +56,11 @@ impl GraspPoints {
         }
     }
 
+    /// The grasp point, midway between thumb tip and middle tip.
+    pub fn point(&self) -> Vector3<f64> {
+        (self.thumb_tip + self.middle_tip) / 2.0
+    }
+
     /// With thumb tip P4, index base P5, index tip P8, middle tip P12: the grasp point is (P4 + P12)/2, the
     /// width ‖P4 − P8‖. The axes are x along P4 − P8, z away from the index base, R_ee = [x y z]·R_z(90°).
     /// `None` where thumb and index tip meet, or lie on one line with the index base.
@@ -76,9 +81,8 @@ impl GraspPoints {
         let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, y, z]));
         let quarter = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
         let rotation = UnitQuaternion::from_rotation_matrix(&axes) * quarter;
-        let point = (self.thumb_tip + self.middle_tip) / 2.0;
         Some(Grasp {
-            pose: Isometry3::from_parts(Translation3::from(point), rotation),
+            pose: Isometry3::from_parts(Translation3::from(self.point()), rotation),
             width: closing.norm(),
         })
     }

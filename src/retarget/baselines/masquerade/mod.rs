@@ -5,8 +5,9 @@
 //! the frames where no hand is seen ([`timeline`]) the point's axes and the width are smoothed by Gaussian
 //! processes, the orientation by a running slerp, and the gripper closes once a clip ([`gripper`]).
 //!
-//! What the port adds: the gripper's frame on the robot's hand is read off its fingertips by the same rule as on
-//! the human's; all six hand joints close together; inverse kinematics, limits and the resampling to 30 FPS.
+//! What the port adds: the gripper's frame on the robot's hand, its origin midway between thumb and middle tip,
+//! its axes rigid on the palm as the human's sit on theirs on average over the clip (read off the robot's own
+//! fingertips they would turn over as its thumb swings across); all six hand joints close together; inverse kinematics, limits and the resampling to 30 FPS.
 //! What it leaves out: nothing of the retargeting; the published video stage (robot always in front of the
 //! object, frames with more than 5 cm of tracking error black) is not part of retargeting.
 
@@ -132,6 +133,7 @@ fn solve_side(
     // Out of reach nothing is preferred: our own preference for the line of sight is not the method's.
     let weights = Weights { along_sight: 1.0, ..clip.params.weights };
     let mut solver = SideSolver::new(clip.robot, side, weights);
+    let axes = axes_on_palm(clip, side);
     let mut raw: Vec<Angles> = Vec::with_capacity(grippers.len());
     for (frame, gripper) in grippers.iter().enumerate() {
         if frame % 64 == 0 {
@@ -142,7 +144,11 @@ fn solve_side(
             let (low, high) = (solver.lower[7 + joint], solver.upper[7 + joint]);
             low + closing * (high - low)
         });
-        let target = wrist_for(clip, side, gripper, &hand);
+        let points = GraspPoints::of_robot(clip.robot.chain(side), &hand);
+        let on_hand = Isometry3::from_parts(points.point().into(), axes);
+        let wrist = gripper.pose * on_hand.inverse();
+        let target =
+            SideTarget::wrist_only(wrist.translation.vector, wrist.rotation, &clip.shared_map.offset);
         let mut angles = match raw.last() {
             Some(before) => {
                 let bounds = solver.reachable_from(before);
@@ -160,10 +166,15 @@ fn solve_side(
     Ok(BaselineSide { angles: raw.clone(), raw })
 }
 
-/// The wrist that puts the gripper's frame of a hand closed to `hand` where `gripper` is.
-fn wrist_for(clip: &BaselineClip<'_>, side: Side, gripper: &GripperState, hand: &[f64; 6]) -> SideTarget {
-    let on_hand = GraspPoints::of_robot(clip.robot.chain(side), hand).grasp();
-    let in_wrist = on_hand.map_or_else(Isometry3::identity, |grasp| grasp.pose);
-    let wrist = gripper.pose * in_wrist.inverse();
-    SideTarget::wrist_only(wrist.translation.vector, wrist.rotation, &clip.shared_map.offset)
+/// Axes of the gripper in the robot's wrist frame: as the human's lie in the palm, the mean over the clip.
+fn axes_on_palm(clip: &BaselineClip<'_>, side: Side) -> UnitQuaternion<f64> {
+    let seen = clip.hands.hands[side].iter().zip(&clip.tracks[side].poses);
+    let on_palms = seen.filter_map(|(frame, pose)| {
+        let grasp = GraspPoints::of_human(frame)?.grasp()?;
+        Some(pose.as_ref()?.palm.inverse() * grasp.pose.rotation)
+    });
+    let mean = on_palms.enumerate().fold(UnitQuaternion::identity(), |mean, (count, here)| {
+        orientation::slerp(&mean, &here, 1.0 / (count + 1) as f64)
+    });
+    clip.robot.chain(side).palm_in_wrist() * mean
 }
