@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn a_pinch_holds_until_the_fingers_part_beyond_release() {
         let params = Pinch { ramp_frames: 0, ..Pinch::default() };
-        let strengths = pinch_strengths(&run(&[0.04, 0.02, 0.04, 0.06, 0.04]), &SIZE, &params);
+        let strengths = pinch_strengths(&run(&[0.035, 0.02, 0.035, 0.06, 0.035]), &SIZE, &params);
         let index: Vec<f64> = strengths.iter().map(|strength| strength[0]).collect();
         assert_eq!(index, [0.0, 1.0, 1.0, 0.0, 0.0]);
     }

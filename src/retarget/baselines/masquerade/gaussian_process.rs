@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     fn noise(index: usize) -> f64 {
-        (index as f64 * 12.9898).sin() * 43758.5453 % 1.0 - 0.5
+        ((index as f64 * 12.9898).sin() * 43758.5453).rem_euclid(1.0) - 0.5
     }
 
     #[test]
