@@ -14,6 +14,8 @@ mod estimator;
 #[cfg(feature = "engine")]
 mod fit;
 #[cfg(feature = "engine")]
+mod follow;
+#[cfg(feature = "engine")]
 mod hidden;
 #[cfg(feature = "engine")]
 pub mod import;
@@ -39,6 +41,8 @@ pub use estimate::{EstimateParams, Estimation, estimate};
 pub use estimator::{EstimatorCommand, PROTOCOL};
 #[cfg(feature = "engine")]
 pub use fit::{FitParams, FitScore, fit, fit_frame, length_of, score_fit};
+#[cfg(feature = "engine")]
+pub use follow::{NamedHand, follow};
 #[cfg(feature = "engine")]
 pub use hidden::{FilledLandmarks, Surroundings, fill_hidden};
 pub use track::{HandFrame, HandState, HandTrack, ManoHand};

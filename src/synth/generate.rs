@@ -41,13 +41,35 @@ pub(super) mod bits {
 }
 
 /// Everything that stays the same over an episode.
-struct Plan {
-    spec: EpisodeSpec,
-    pinhole: Pinhole,
-    hand: HandShape,
-    camera: CameraPath,
-    script: Script,
+pub(super) struct Plan {
+    pub(super) spec: EpisodeSpec,
+    pub(super) pinhole: Pinhole,
+    pub(super) hand: HandShape,
+    pub(super) camera: CameraPath,
+    pub(super) script: Script,
     sleeve: Option<f64>,
+}
+
+/// What an episode's seed draws, in the order it is drawn.
+pub(super) struct Drawn {
+    shape: ObjectShape,
+    kind: ObjectKind,
+    finish: Finish,
+    pub(super) plan: Plan,
+    rng: Pcg64Mcg,
+}
+
+/// Draws an episode.
+pub(super) fn draw(spec: &EpisodeSpec) -> Drawn {
+    let mut rng = Pcg64Mcg::seed_from_u64(spec.seed.wrapping_mul(0x9E37_79B9).wrapping_add(17));
+    let kind = spec.object.unwrap_or_else(|| {
+        // Neighbouring seeds take different objects.
+        ObjectKind::ALL[(spec.seed % ObjectKind::ALL.len() as u64) as usize]
+    });
+    let shape = ObjectShape::random(kind, &mut rng);
+    let finish = [Finish::Label, Finish::Striped, Finish::Uniform][rng.random_range(0..3)];
+    let plan = plan(spec, kind, &shape, &mut rng);
+    Drawn { shape, kind, finish, plan, rng }
 }
 
 /// Makes the episode `spec` in the folder `dir` (made if missing, files in it overwritten): `clip.mp4`,
@@ -62,14 +84,7 @@ pub fn generate(spec: &EpisodeSpec, dir: &Path, watch: &dyn Watch) -> Result<Epi
     }
     let pictures_dir = dir.join("truth");
     fs::create_dir_all(&pictures_dir).map_err(SynthError::io(&pictures_dir))?;
-    let mut rng = Pcg64Mcg::seed_from_u64(spec.seed.wrapping_mul(0x9E37_79B9).wrapping_add(17));
-    let kind = spec.object.unwrap_or_else(|| {
-        // Neighbouring seeds take different objects.
-        ObjectKind::ALL[(spec.seed % ObjectKind::ALL.len() as u64) as usize]
-    });
-    let shape = ObjectShape::random(kind, &mut rng);
-    let finish = [Finish::Label, Finish::Striped, Finish::Uniform][rng.random_range(0..3)];
-    let plan = plan(spec, kind, &shape, &mut rng);
+    let Drawn { shape, kind, finish, plan, mut rng } = draw(spec);
     let ends = [plan.script.object(0.0), plan.script.object(1.0)].map(|pose| {
         let p = pose.translation.vector;
         [p.x, p.y]
@@ -100,6 +115,15 @@ pub fn generate(spec: &EpisodeSpec, dir: &Path, watch: &dyn Watch) -> Result<Epi
     let json = serde_json::to_vec(&truth).map_err(|error| SynthError::damaged(&path, error))?;
     fs::write(&path, json).map_err(SynthError::io(&path))?;
     Ok(truth)
+}
+
+impl Plan {
+    /// The hands that exist at `seconds`, a share `t` of the episode.
+    pub(super) fn hands(&self, seconds: f64, t: f64) -> PerSide<Option<HandState>> {
+        PerSide::from_fn(|side| {
+            if side == self.script.side { Some(self.script.hand(t)) } else { self.script.idle(seconds, t) }
+        })
+    }
 }
 
 fn plan(spec: &EpisodeSpec, kind: ObjectKind, shape: &ObjectShape, rng: &mut Pcg64Mcg) -> Plan {
@@ -134,9 +158,7 @@ fn make_frame(
     let t = f64::from(index) / f64::from(plan.spec.frames - 1);
     let camera_to_world = plan.camera.at(seconds);
     let object = plan.script.object(t);
-    let states = PerSide::from_fn(|side| {
-        if side == plan.script.side { Some(plan.script.hand(t)) } else { plan.script.idle(seconds, t) }
-    });
+    let states = plan.hands(seconds, t);
     let mut hands = PerSide { left: None, right: None };
     for (side, state) in states.iter() {
         let Some(state) = state else { continue };
@@ -201,7 +223,7 @@ fn mirror(soup: &mut TriangleSoup) {
     }
 }
 
-fn hand_truth(
+pub(super) fn hand_truth(
     plan: &Plan,
     side: Side,
     state: &HandState,

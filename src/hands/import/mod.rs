@@ -110,6 +110,62 @@ pub fn read(
     pinhole: &Pinhole,
     params: &ImportParams,
 ) -> Result<HandTrack, ImportError> {
+    let raw = read_raw(path, params)?;
+    let fps = rate(&raw, path, params)?;
+    Ok(resample::to_track(&raw, fps, times, pinhole, params.longest_bridge_s))
+}
+
+/// A hand track as read, without a clip: rows of each hand in the camera frame, metres.
+#[derive(Clone, Debug, Default)]
+pub struct WholeTrack {
+    /// The left hand's rows; `None` where a row has no hand.
+    pub left: Option<Vec<Option<[Vector3<f64>; KEYPOINT_COUNT]>>>,
+    /// The right hand's.
+    pub right: Option<Vec<Option<[Vector3<f64>; KEYPOINT_COUNT]>>>,
+    /// Rows a second, where it is stated.
+    pub fps: Option<f64>,
+}
+
+/// Reads `path` without a clip: all of it, resampled to 30 frames a second.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_whole(path: &Path, pinhole: &Pinhole, params: &ImportParams) -> Result<HandTrack, ImportError> {
+    let raw = read_raw(path, params)?;
+    whole(&raw, path, pinhole, params)
+}
+
+/// All of `track` resampled to 30 frames a second; `path` is what errors name.
+///
+/// # Errors
+/// As [`read`], but for reading.
+pub fn resample_whole(
+    track: WholeTrack,
+    path: &Path,
+    pinhole: &Pinhole,
+    params: &ImportParams,
+) -> Result<HandTrack, ImportError> {
+    let raw = RawTrack { hands: PerSide { left: track.left, right: track.right }, fps: track.fps };
+    check(&raw).map_err(|what| ImportError::Content { path: path.to_owned(), what })?;
+    whole(&raw, path, pinhole, params)
+}
+
+fn whole(
+    raw: &RawTrack,
+    path: &Path,
+    pinhole: &Pinhole,
+    params: &ImportParams,
+) -> Result<HandTrack, ImportError> {
+    let fps = rate(raw, path, params)?;
+    let rows = raw.hands.iter().filter_map(|(_, hand)| hand.as_ref().map(Vec::len)).max().unwrap_or(0);
+    let last = rows.saturating_sub(1) as f64 / fps;
+    // Rounding must not cost the last frame.
+    let frames = (last * STANDARD_FPS + 1e-6).floor() as usize + 1;
+    let times: Vec<f64> = (0..frames.min(MOST_ROWS)).map(|frame| frame as f64 / STANDARD_FPS).collect();
+    Ok(resample::to_track(raw, fps, &times, pinhole, params.longest_bridge_s))
+}
+
+fn read_raw(path: &Path, params: &ImportParams) -> Result<RawTrack, ImportError> {
     let io = |source| ImportError::Io { path: path.to_owned(), source };
     let content = |what| ImportError::Content { path: path.to_owned(), what };
     let bytes = std::fs::metadata(path).map_err(io)?.len();
@@ -124,11 +180,16 @@ pub fn read(
     };
     let raw = raw.map_err(content)?;
     check(&raw).map_err(content)?;
+    Ok(raw)
+}
+
+fn rate(raw: &RawTrack, path: &Path, params: &ImportParams) -> Result<f64, ImportError> {
     let fps = params.fps.or(raw.fps).unwrap_or(STANDARD_FPS);
-    if !(0.1..=1000.0).contains(&fps) {
-        return Err(content(format!("fps is {fps}, expected 0.1 to 1000")));
+    if (0.1..=1000.0).contains(&fps) {
+        return Ok(fps);
     }
-    Ok(resample::to_track(&raw, fps, times, pinhole, params.longest_bridge_s))
+    let what = format!("fps is {fps}, expected 0.1 to 1000");
+    Err(ImportError::Content { path: path.to_owned(), what })
 }
 
 /// Both sides of one length, at least one hand, every coordinate finite and near.
