@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use super::{models::ModelArguments, vlm::VlmArguments};
+use super::{eval::EvalArguments, models::ModelArguments, vlm::VlmArguments};
 use crate::{pipeline::batch::Shard, retarget::Method};
 
 /// Turns first-person video of human hands into demonstrations for a Unitree G1 with BrainCo hands
@@ -156,6 +156,8 @@ pub(super) enum Verb {
     Export(ExportArguments),
     /// Make your own masks a person's edits of a session: COCO run lengths or DAVIS palette pictures
     ImportMasks(ImportMasksArguments),
+    /// Compare retargeting methods on hand tracks: position error, smoothness, intervals, figures
+    Eval(EvalArguments),
     /// Check or import a robot description
     Robot {
         #[command(subcommand)]

@@ -5,6 +5,7 @@ mod batch;
 mod bench;
 mod demo;
 mod doctor;
+mod eval;
 mod export;
 mod import_masks;
 mod models;
@@ -82,6 +83,7 @@ fn dispatch(arguments: Arguments) -> Outcome {
         Some(Verb::Demo { out, seed, frames }) => demo::run(&out, seed, frames),
         Some(Verb::Synth { episodes, seed, frames, out }) => synth::run(&out, episodes, seed, frames),
         Some(Verb::Bench(arguments)) => bench::run(&arguments),
+        Some(Verb::Eval(arguments)) => eval::run(&arguments),
         Some(Verb::Export(arguments)) => export::run(&arguments),
         Some(Verb::ImportMasks(arguments)) => import_masks::run(&arguments),
         Some(Verb::Robot { verb }) => robot::run(&verb),

@@ -5,6 +5,7 @@ mod fidelity;
 pub mod metrics;
 mod region;
 pub mod statistics;
+pub mod study;
 
 pub use fidelity::{MetricError, psnr, psnr_inside, ssim, ssim_inside};
 pub use region::{boundary_f, region_j};

@@ -64,7 +64,7 @@ fn runs(seen: &[usize], longest: usize) -> Vec<Range<usize>> {
 fn lifted(hand: &HandLandmarks, pinhole: &Pinhole, state: HandState, confidence: f64) -> HandFrame {
     let Some(world) = &hand.world else { return HandFrame::invalid() };
     let joints = std::array::from_fn(|k| pinhole.unproject(hand.keypoints[k], world[k].z));
-    HandFrame { state, confidence, keypoints: hand.keypoints, joints }
+    HandFrame { state, confidence, keypoints: hand.keypoints, joints, mano: None }
 }
 
 /// A frame of a gap: keypoints and depths between those on its ends, trusted less the farther they are.
