@@ -18,8 +18,8 @@ pub struct NamedHand {
 }
 
 /// Follows the hands of `frames` over time, in pictures of `size`: detections are linked, left and right told apart,
-/// jumps removed and keypoints smoothed at `smoothing_hz`, as [`super::estimate`] does; only the second, magnified look
-/// at missed hands is not had without pictures. `world` comes through untouched.
+/// jumps removed and keypoints smoothed at `smoothing_hz`, as [`estimate`](fn@super::estimate) does; only the second,
+/// magnified look at missed hands is not had without pictures. `world` comes through untouched.
 pub fn follow(frames: Vec<Vec<NamedHand>>, size: Size, smoothing_hz: f64) -> LandmarkTrack {
     let count = frames.len();
     let detections = frames.into_iter().map(|hands| hands.into_iter().map(detection).collect()).collect();

@@ -25,7 +25,7 @@ pub struct MotionTruth {
     pub frames: Vec<PerSide<Option<HandTruth>>>,
 }
 
-/// The motion that [`super::generate`] films for the same `spec`.
+/// The motion that [`generate`](fn@super::generate) films for the same `spec`.
 ///
 /// # Errors
 /// With fewer than 2 frames.

@@ -1,8 +1,8 @@
 //! Retargeting methods compared on the same hand tracks.
 //!
 //! An [`Episode`] is a track and what is known of the true hands; a [`Setting`] a method with its parameters.
-//! [`run`] retargets every episode by every setting and scores the robot's wrists ([`score`]); [`Study`] holds the
-//! figures, [`summary`] their means, intervals and paired differences.
+//! [`run`](fn@run) retargets every episode by every setting and scores the robot's wrists ([`score`](fn@score));
+//! [`Study`] holds the figures, [`summary`](fn@summary) their means, intervals and paired differences.
 //!
 //! A wrist error is a distance in the human scene, in the source camera's frame and metres: the reached wrist goes
 //! back through the setting's own camera map, P̂ = R_camᵀ (p − T_offset) / β, and is compared with the true human

@@ -13,8 +13,8 @@ use crate::{
 /// The hand track that the pipeline would hand on for `truth`, had its estimator the errors of `model`.
 ///
 /// What an estimator says passes the pipeline's own cleaning as far as that works without pictures: detections are
-/// linked to hands, left and right told apart, jumps removed, keypoints smoothed ([`follow`]), hands seen too briefly
-/// left out and short gaps bridged as in the fit. Left out are the magnified second look and hands carried along
+/// linked to hands, left and right told apart, jumps removed, keypoints smoothed ([`follow`](fn@follow)), hands seen
+/// too briefly left out and short gaps bridged as in the fit. Left out are the magnified second look and hands carried along
 /// behind their object, which need pictures and masks, and the fit itself: its errors in depth are part of the model.
 pub fn estimated_track(truth: &MotionTruth, model: &ErrorModel) -> HandTrack {
     let smoothing_hz = EstimateParams::default().smoothing_hz;
