@@ -24,13 +24,20 @@ pub(super) fn rotations(
     let rotation = |part: &[f32]| {
         let part: Vec<f64> = part.iter().map(|number| f64::from(*number)).collect();
         match kind {
-            Rotations::AxisAngle => UnitQuaternion::from_scaled_axis(Vector3::from_column_slice(&part)),
-            Rotations::Matrix => {
-                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&Matrix3::from_row_slice(&part)))
-            }
+            Rotations::AxisAngle => Some(UnitQuaternion::from_scaled_axis(Vector3::from_column_slice(&part))),
+            Rotations::Matrix => of_matrix(&Matrix3::from_row_slice(&part)),
         }
     };
-    Some(parts.map(rotation).collect())
+    parts.map(rotation).collect()
+}
+
+/// The rotation whose first two columns a matrix all but has (Gram and Schmidt); `None` where they span no plane.
+fn of_matrix(matrix: &Matrix3<f64>) -> Option<UnitQuaternion<f64>> {
+    let (first, second) = (matrix.column(0).into_owned(), matrix.column(1).into_owned());
+    let first = first.try_normalize(1e-6)?;
+    let second = (second - first * first.dot(&second)).try_normalize(1e-6)?;
+    let columns = Matrix3::from_columns(&[first, second, first.cross(&second)]);
+    Some(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns)))
 }
 
 /// The rotation of a left hand that a right hand's is in the mirror: `diag(−1, 1, 1) R diag(−1, 1, 1)`.
@@ -60,6 +67,7 @@ mod tests {
         }
         assert_eq!(rotations(&[0.0; 8], 1, Some(Rotations::Matrix)), None);
         assert_eq!(rotations(&[f32::NAN; 3], 1, None), None);
+        assert_eq!(rotations(&[0.0; 9], 1, None), None);
     }
 
     #[test]
