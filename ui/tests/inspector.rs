@@ -5,7 +5,7 @@ mod support;
 use agenticfocus::{
     clip::FrameIndex,
     engine::{Access, Request},
-    retarget::{Beta, Smoothing},
+    retarget::{Beta, Method, Smoothing},
     session::{
         Command, Entry, LayerOrder, LayerOrderRange, LockHolder, ObjectAnswer, RetargetSettings, ReviewState,
         Said, Step,
@@ -200,6 +200,20 @@ fn a_typed_beta_is_one_change_and_its_dot_puts_none_back() {
     harness.state_mut().keep(Command::SetRetarget(fixed));
     harness.run_steps(2);
     click(&mut harness, "Reset β");
+    assert_eq!(harness.state_mut().changes(), [Command::SetRetarget(RetargetSettings::default())]);
+}
+
+#[test]
+fn the_method_is_a_setting_of_the_session_and_ours_leaves_no_trace() {
+    let mut harness = at(Step::Retarget, |_| {});
+    click(&mut harness, "Method: masquerade");
+    let masquerade = RetargetSettings { method: Some(Method::Masquerade), ..RetargetSettings::default() };
+    assert_eq!(harness.state_mut().changes(), [Command::SetRetarget(masquerade)]);
+    harness.state_mut().keep(Command::SetRetarget(masquerade));
+    harness.run_steps(2);
+    // It smooths in its own way.
+    assert!(harness.query_by_label("Smoothing: forward").is_none());
+    click(&mut harness, "Method: ours");
     assert_eq!(harness.state_mut().changes(), [Command::SetRetarget(RetargetSettings::default())]);
 }
 

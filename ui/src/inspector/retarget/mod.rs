@@ -3,6 +3,7 @@
 mod angles;
 mod knob;
 mod limits;
+mod method;
 mod numbers;
 mod plots;
 mod scene;
@@ -19,7 +20,7 @@ use std::sync::Arc;
 
 use agenticfocus::{
     geometry::{PerSide, Side},
-    retarget::{RobotMotion, Smoothing},
+    retarget::{Method, RobotMotion, Smoothing},
     session::{Command, RetargetSettings},
 };
 use egui::{Button, RichText, Ui, vec2};
@@ -122,6 +123,11 @@ impl RetargetInspector {
         };
         ui.add_enabled_ui(workspace.is_writable(), |ui| {
             section(ui, cx, "Scale and camera", |ui, cx| turning.camera(ui, cx));
+            section(ui, cx, "Method", |ui, cx| turning.method(ui, cx));
+            // A published method smooths in its own way and knows no corrections.
+            if method::method_of(&turning.settings) != Method::Ours {
+                return;
+            }
             section(ui, cx, "Smoothing", |ui, cx| turning.smoothing(ui, cx));
             let corrected = Knob::WRISTS.iter().any(|knob| knob.is_changed(&kept));
             folded_section(ui, cx, "Wrist corrections", corrected, |ui, cx| turning.wrists(ui, cx));
@@ -188,6 +194,12 @@ impl Turning {
             Edit::Reset => (knob.reset(&self.settings), Touch::Rests),
         };
         (self.settings, self.touch) = (settings, touch);
+    }
+
+    fn method(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        if let Some(chosen) = method::show(ui, cx, &self.settings) {
+            (self.settings, self.touch) = (chosen, Touch::Rests);
+        }
     }
 
     fn camera(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
