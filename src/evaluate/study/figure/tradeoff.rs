@@ -57,9 +57,9 @@ impl TradeOff {
             steadier.then_some(params.cutoff.across_hz)
         });
         let mut lines: Vec<Line> = vec![
-            ("average over α", EMA, alpha(Smoothing::Ema)),
-            ("zero-phase over α", ZERO_PHASE, alpha(Smoothing::ZeroPhase)),
-            ("wrist smoother, Hz", STEADY, cutoff),
+            ("average, α", EMA, alpha(Smoothing::Ema)),
+            ("zero-phase, α", ZERO_PHASE, alpha(Smoothing::ZeroPhase)),
+            ("smoother, Hz", STEADY, cutoff),
         ];
         lines.retain(|(_, _, points)| !points.is_empty());
         let points = || lines.iter().flat_map(|(_, _, points)| points);
