@@ -1,17 +1,14 @@
 //! `agenticfocus export`.
 
-use std::io::IsTerminal as _;
-
-use indicatif::ProgressBar;
-
 use super::{
     Failure, Outcome,
     args::{ExportArguments, ExportFormat, ExportThumbOrder},
+    batch::cancel_on_signals,
+    progress::SimpleProgress,
 };
 use crate::{
     export::dataset::{ClipFate, DatasetFormat, DatasetOptions, DatasetReport, ThumbOrder, export_dataset},
     pipeline::ExitCode,
-    progress::Watch,
 };
 
 pub(super) fn run(arguments: &ExportArguments) -> Outcome {
@@ -29,12 +26,10 @@ pub(super) fn run(arguments: &ExportArguments) -> Outcome {
         },
         include_rejected: arguments.include_rejected,
     };
-    let bar = Bar(std::io::stderr().is_terminal().then(|| ProgressBar::new(0)));
-    let report = export_dataset(&arguments.inputs, &arguments.out, &options, &bar)
+    let cancel = cancel_on_signals()?;
+    let progress = SimpleProgress::new("export", &cancel);
+    let report = export_dataset(&arguments.inputs, &arguments.out, &options, &progress)
         .map_err(|error| Failure::new(ExitCode::from_status(i32::from(error.exit_code())), error))?;
-    if let Some(bar) = &bar.0 {
-        bar.finish_and_clear();
-    }
     if arguments.json {
         let text = serde_json::to_string_pretty(&report).map_err(|e| Failure::new(ExitCode::Internal, e))?;
         println!("{text}");
@@ -42,22 +37,6 @@ pub(super) fn run(arguments: &ExportArguments) -> Outcome {
         print_table(&report);
     }
     Ok(ExitCode::Done)
-}
-
-/// Clips done of all, on a terminal.
-struct Bar(Option<ProgressBar>);
-
-impl Watch for Bar {
-    fn advance(&self, done: usize, total: usize) {
-        if let Some(bar) = &self.0 {
-            bar.set_length(total as u64);
-            bar.set_position(done as u64);
-        }
-    }
-
-    fn is_cancelled(&self) -> bool {
-        false
-    }
 }
 
 fn print_table(report: &DatasetReport) {

@@ -3,10 +3,11 @@
 use super::{
     Failure, Outcome,
     args::{ImportMasksArguments, MaskNumbering},
+    batch::cancel_on_signals,
+    progress::SimpleProgress,
 };
 use crate::{
     pipeline::{ExitCode, FrameNumbering, LayerLabels, import_masks},
-    progress::Unwatched,
     session::Session,
 };
 
@@ -21,7 +22,9 @@ pub(super) fn run(arguments: &ImportMasksArguments) -> Outcome {
         MaskNumbering::Timeline => FrameNumbering::Timeline,
         MaskNumbering::Source => FrameNumbering::Source,
     };
-    let report = import_masks(&mut session, &arguments.masks, numbering, &labels, &Unwatched)
+    let cancel = cancel_on_signals()?;
+    let progress = SimpleProgress::new("import-masks", &cancel);
+    let report = import_masks(&mut session, &arguments.masks, numbering, &labels, &progress)
         .map_err(|failure| Failure::new(failure.exit, failure.message))?;
     session.save_snapshot().map_err(|error| Failure::from_error(&error))?;
     println!(

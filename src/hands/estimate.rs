@@ -14,13 +14,13 @@ use super::{
     estimator::{EstimatorCommand, EstimatorProcess, Mode, Request},
     outliers::remove_jumps,
     recover::recover,
-    sides::assign,
+    sides::{assign, landmarks_of},
     smooth::smooth_keypoints,
     tracklet::link,
 };
 use crate::{
     clip::{FrameIndex, FrameSource},
-    geometry::{PerSide, Pixel},
+    geometry::Pixel,
     image::Rgb8,
     landmarks::LandmarkTrack,
     progress::Watch,
@@ -83,14 +83,7 @@ pub fn estimate(
         smooth_keypoints(side, params.smoothing_hz);
     }
     let backend = process.name().to_owned();
-    let pairs = sides.left.into_iter().zip(sides.right);
-    let landmarks = pairs
-        .map(|(left, right)| PerSide {
-            left: left.map(Detection::into_landmarks),
-            right: right.map(Detection::into_landmarks),
-        })
-        .collect();
-    Ok(Estimation { landmarks, backend })
+    Ok(Estimation { landmarks: landmarks_of(sides), backend })
 }
 
 /// Every frame once, in order; a frame that repeats the one before shares its answer.

@@ -1,10 +1,14 @@
 //! Hands named frame by frame, made two tracks: the part of the estimate that needs no pictures.
 
 use super::{
-    detection::Detection, outliers::remove_jumps, sides::assign, smooth::smooth_keypoints, tracklet::link,
+    detection::Detection,
+    outliers::remove_jumps,
+    sides::{assign, landmarks_of},
+    smooth::smooth_keypoints,
+    tracklet::link,
 };
 use crate::{
-    geometry::{PerSide, Side, Size},
+    geometry::{Side, Size},
     landmarks::{HandLandmarks, LandmarkTrack},
 };
 
@@ -28,13 +32,7 @@ pub fn follow(frames: Vec<Vec<NamedHand>>, size: Size, smoothing_hz: f64) -> Lan
         remove_jumps(side);
         smooth_keypoints(side, smoothing_hz);
     }
-    let pairs = sides.left.into_iter().zip(sides.right);
-    pairs
-        .map(|(left, right)| PerSide {
-            left: left.map(Detection::into_landmarks),
-            right: right.map(Detection::into_landmarks),
-        })
-        .collect()
+    landmarks_of(sides)
 }
 
 fn detection(hand: NamedHand) -> Detection {

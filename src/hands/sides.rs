@@ -4,10 +4,24 @@ use super::{
     detection::{Detection, distance},
     tracklet::Tracklet,
 };
-use crate::geometry::{PerSide, Side, Size};
+use crate::{
+    geometry::{PerSide, Side, Size},
+    landmarks::LandmarkTrack,
+};
 
 /// One hand's detections by frame.
 pub(super) type SideDetections = Vec<Option<Detection>>;
+
+/// What later stages see of the hands of both sides, frame by frame.
+pub(super) fn landmarks_of(sides: PerSide<SideDetections>) -> LandmarkTrack {
+    let pairs = sides.left.into_iter().zip(sides.right);
+    pairs
+        .map(|(left, right)| PerSide {
+            left: left.map(Detection::into_landmarks),
+            right: right.map(Detection::into_landmarks),
+        })
+        .collect()
+}
 
 /// A tracklet with fewer detections than this needs to be sure of itself.
 const SHORT: usize = 4;
